@@ -1,0 +1,1 @@
+"""RIOT: reversible shape transforms."""

@@ -1,0 +1,41 @@
+"""The errors of the library: one root, and a builtin parent each, so that both kinds of handler work."""
+
+from __future__ import annotations
+
+
+class RiotError(Exception):
+    """Root of every error that this project raises on purpose."""
+
+
+class SilhouetteError(RiotError, ValueError):
+    """A picture, vector file or polygon that cannot become a shape.
+
+    ``reason`` is one short word for tables (``"unreadable"``, ``"one-colour"``, ``"degenerate"`` …);
+    the message says what is wrong, where, and what to do.
+    """
+
+    def __init__(self, reason: str, message: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+    def __reduce__(self) -> tuple[type[SilhouetteError], tuple[str, str]]:
+        return type(self), (self.reason, str(self))
+
+
+class TrunkError(RiotError, ValueError):
+    """Trunks that are missing, or given trunks that are not convex, not conjugate or not on the outline."""
+
+
+class ConstructionError(RiotError, ValueError):
+    """A pair of trunks from which no exact transform could be constructed; ``reason`` is one word."""
+
+    def __init__(self, reason: str, message: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+    def __reduce__(self) -> tuple[type[ConstructionError], tuple[str, str]]:
+        return type(self), (self.reason, str(self))
+
+
+class FormatError(RiotError, ValueError):
+    """A file that claims to be ours and is not: another format, another version, or damaged."""

@@ -1,0 +1,93 @@
+"""Every parameter of the method, with the paper's value as default where the paper gives one.
+
+Lengths are multiples of ``L_c = 2√π``, the perimeter of the unit-area circle, or of ``D_c = 2/√π``, its
+diameter, as each field says: every shape has unit area, so that these are absolute. Paper: Li et al.,
+*Construction and Fabrication of Reversible Shape Transforms*, ACM TOG 37(6), 190, 2018.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+L_C = 2.0 * math.sqrt(math.pi)
+"""Perimeter of the unit-area circle, the unit of boundary lengths."""
+
+D_C = 2.0 / math.sqrt(math.pi)
+"""Diameter of the unit-area circle, the unit of straight distances."""
+
+
+@dataclass(frozen=True)
+class ShapeParameters:
+    """Silhouette → shape (paper §6)."""
+
+    spacing: float = 100.0
+    """Consecutive boundary points are closer than ``L_c / spacing``."""
+    feature_tolerance: float = 0.004
+    """Douglas–Peucker tolerance for the main feature points, in units of ``L_c`` (ours)."""
+    max_pixels: int = 64_000_000
+    """A picture with more pixels is refused (ours)."""
+
+
+@dataclass(frozen=True)
+class ReversibilityParameters:
+    """Reversibility score of one shape (paper §5.1)."""
+
+    sigma_pa: float = 1.0
+    sigma_w: float = 4.0
+    waist_low: float = 0.8
+    waist_high: float = 1.2
+    simplify: float = 0.01
+    """Douglas–Peucker tolerance of the "slightly simplified" boundary, in units of ``L_c`` (ours)."""
+
+
+@dataclass(frozen=True)
+class TrunkParameters:
+    """Candidate vertices and trunks (paper §4.1)."""
+
+    spacing: float = 15.0
+    """Sparse boundary points are closer than ``d_space = L_c / spacing``."""
+    tau_s: float = 0.1
+    """Douglas–Peucker tolerance of the simplified boundary (absolute, unit-area shape)."""
+    tau_c: float = 0.3
+    """Least congruency score of a candidate vertex."""
+    sigma_c: float = 0.1
+    """Of the congruency score, in units of ``D_c``."""
+    min_congruent: float = 0.03
+    """Least total length of the two congruent stretches, in units of the perimeter."""
+    min_inside: float = 0.9
+    """Least share of a trunk edge that lies inside the shape."""
+    min_area: float = 0.01
+    """Least area of an exterior piece."""
+    max_arc: float = 0.5
+    """Greatest boundary length of an exterior piece, in units of the perimeter."""
+    max_overlap: float = 0.1
+    """Greatest overlap of neighbouring congruent stretches, in units of ``L_c``."""
+    neck_width: float = 0.2
+    """Quick trunks leave out points cut off by necks narrower than this, in units of ``D_c``."""
+    max_vertices: int = 8
+    """No trunk has more vertices (ours: bounds the enumeration on star-like shapes)."""
+    max_trunks: int = 50_000
+    """No shape has more trunks (ours); the largest n are dropped first."""
+
+
+@dataclass(frozen=True)
+class QcrsParameters:
+    """Quick cross-reversibility score (paper §5.2)."""
+
+    sigma_e: float = 0.1
+    """Of the edge term, in units of ``D_c``."""
+    sigma_angle: float = math.pi / 6
+    sigma_area: float = 0.1
+
+
+@dataclass(frozen=True)
+class CrsParameters:
+    """Cross-reversibility score (paper §4.2)."""
+
+    sigma_e: float = 0.1
+    """Of the edge term, in units of ``D_c``."""
+    sigma_angle: float = math.pi / 6
+    sigma_area: float = 0.3
+    lines: int = 128
+    """Scanlines of the area term (ours)."""

@@ -1,0 +1,82 @@
+"""Shape: one simple closed polygon of unit area, counter-clockwise, centroid at the origin (paper §4, §6)."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from riot.parameters import ShapeParameters
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A silhouette as a polygon: unit area, counter-clockwise, centroid at the origin, y upwards.
+
+    Parameters
+    ----------
+    points : (m, 2) float64
+        Boundary points, each once (the last joins the first). Feature points and points between them, closer
+        than ``L_c / spacing``; the first is chosen by geometry, not by the input's start vertex.
+    feature : (m,) bool
+        True at the main feature points (Douglas–Peucker), False at the points inserted between them.
+    name : str
+        For messages, tables and pictures.
+    to_source : (2, 3) float64
+        Affine map from the shape's frame to the source's coordinates (pixels as x = column, y = row; or the
+        polygon's own): ``source = to_source[:, :2] @ point + to_source[:, 2]``.
+    """
+
+    points: FloatArray
+    feature: BoolArray
+    name: str = ""
+    to_source: FloatArray = field(default_factory=lambda: np.eye(2, 3))
+
+    @property
+    def perimeter(self) -> float:
+        """Length of the boundary, in the unit-area frame."""
+        return float(np.linalg.norm(np.roll(self.points, -1, axis=0) - self.points, axis=1).sum())
+
+    def source(self, xy: npt.ArrayLike) -> FloatArray:
+        """Map (k, 2) points of the shape's frame to the source's coordinates."""
+        return np.asarray(xy, dtype=np.float64) @ self.to_source[:, :2].T + self.to_source[:, 2]
+
+    def from_source(self, xy: npt.ArrayLike) -> FloatArray:
+        """Map (k, 2) points of the source's coordinates (pixels, or the polygon's own) to the shape's frame."""
+        inverse = np.linalg.inv(self.to_source[:, :2])
+        return (np.asarray(xy, dtype=np.float64) - self.to_source[:, 2]) @ inverse.T
+
+    def renamed(self, name: str) -> Shape:
+        """The same shape under another name."""
+        return replace(self, name=name)
+
+    @classmethod
+    def from_image(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+        """Read the silhouette in a picture; see `riot.silhouette.read_image`."""
+        from riot.silhouette import read_image
+
+        return read_image(path, parameters)
+
+    @classmethod
+    def from_svg(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+        """Read the outline in a vector file; see `riot.silhouette.read_svg`."""
+        from riot.silhouette import read_svg
+
+        return read_svg(path, parameters)
+
+    @classmethod
+    def from_polygon(
+        cls, points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None
+    ) -> Shape:
+        """Make a shape of an (m, 2) polygon in either orientation; see `riot.silhouette.polygon_shape`."""
+        from riot.silhouette import polygon_shape
+
+        return polygon_shape(points, name, parameters)
