@@ -1,0 +1,62 @@
+"""Douglas–Peucker on one open polyline: the loop behind `riot.polyline.simplify`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from riot.kernels.options import kernel
+from riot.shape import BoolArray, FloatArray
+
+
+@kernel
+def douglas_peucker(points: FloatArray, tolerance: float) -> BoolArray:
+    """Mark the vertices of an (m, 2) polyline that are kept; both ends always are.
+
+    A vertex is measured against the chord as a segment, not as a line, so that a spike that runs past the end
+    of its chord is kept. Of equally distant vertices the first wins.
+    """
+    m = points.shape[0]
+    keep = np.zeros(m, dtype=np.bool_)
+    keep[0] = True
+    keep[m - 1] = True
+    # An explicit stack of (first, last): each split pushes two, and there are at most m splits.
+    stack = np.empty((m + 1, 2), dtype=np.int64)
+    stack[0, 0] = 0
+    stack[0, 1] = m - 1
+    top = 1
+    while top > 0:
+        top -= 1
+        first = stack[top, 0]
+        last = stack[top, 1]
+        ax = points[first, 0]
+        ay = points[first, 1]
+        dx = points[last, 0] - ax
+        dy = points[last, 1] - ay
+        square = dx * dx + dy * dy
+        worst = tolerance * tolerance
+        split = -1
+        for i in range(first + 1, last):
+            px = points[i, 0] - ax
+            py = points[i, 1] - ay
+            t = 0.0
+            if square > 0.0:
+                t = min(1.0, max(0.0, (px * dx + py * dy) / square))
+            ex = px - t * dx
+            ey = py - t * dy
+            distance = ex * ex + ey * ey
+            if distance > worst:
+                worst = distance
+                split = i
+        if split >= 0:
+            keep[split] = True
+            stack[top, 0] = first
+            stack[top, 1] = split
+            stack[top + 1, 0] = split
+            stack[top + 1, 1] = last
+            top += 2
+    return keep
+
+
+def warm() -> None:
+    """Compile the kernel."""
+    douglas_peucker(np.zeros((3, 2)), 1.0)

@@ -1,0 +1,90 @@
+"""Properties of `riot.polyline`."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from riot import polyline
+from riot.shape import FloatArray
+
+
+def star_shaped(seed: int, m: int = 60) -> FloatArray:
+    """A simple counter-clockwise polygon around the origin."""
+    rng = np.random.default_rng(seed)
+    angle = np.sort(rng.uniform(0.0, 2.0 * np.pi, m))
+    angle = angle[np.append(np.diff(angle) > 1e-3, True)]
+    angle = np.unique(np.concatenate([angle, [0.0, 2.0, 4.0]]))
+    radius = rng.uniform(0.5, 1.5, len(angle))
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+
+
+SEEDS = st.integers(0, 10_000)
+
+
+@settings(max_examples=40, deadline=None)
+@given(SEEDS, st.integers(0, 59), st.floats(0.0, 6.28), st.floats(0.1, 50.0), st.floats(0.01, 0.5))
+def test_simplify_is_canonical(seed: int, turn: int, angle: float, scale: float, tolerance: float) -> None:
+    points = star_shaped(seed)
+    c, s = np.cos(angle), np.sin(angle)
+    moved = np.roll(points, turn, axis=0) @ (scale * np.array([[c, s], [-s, c]])) + [3.0, -7.0]
+    kept = polyline.simplify(points, tolerance)
+    again = polyline.simplify(moved, scale * tolerance)
+    assert set((again - turn) % len(points)) == set(kept)
+
+
+@settings(max_examples=40, deadline=None)
+@given(SEEDS, st.floats(0.0, 0.5))
+def test_simplify_drops_only_what_is_near(seed: int, tolerance: float) -> None:
+    points = star_shaped(seed)
+    kept = polyline.simplify(points, tolerance)
+    assert (np.diff(kept) > 0).all()
+    for first, last in zip(kept, np.roll(kept, -1), strict=True):
+        inner = np.arange(first + 1, last if last > first else last + len(points)) % len(points)
+        a, b = points[first], points[last]
+        t = np.clip((points[inner] - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
+        distance = np.linalg.norm(points[inner] - a - t[:, None] * (b - a), axis=1)
+        assert (distance <= tolerance + 1e-12).all()
+
+
+@settings(max_examples=30, deadline=None)
+@given(SEEDS, st.floats(-100.0, 100.0))
+def test_measures(seed: int, shift: float) -> None:
+    points = star_shaped(seed) + shift
+    assert polyline.signed_area(points) > 0.0
+    assert polyline.signed_area(points[::-1]) == pytest.approx(-polyline.signed_area(points))
+    assert polyline.centroid(points[::-1]) == pytest.approx(polyline.centroid(points))
+    assert polyline.arc_length(points)[-1] == pytest.approx(polyline.edge_lengths(points).sum())
+    assert polyline.interior_angles(points).sum() == pytest.approx((len(points) - 2) * np.pi)
+
+
+@settings(max_examples=30, deadline=None)
+@given(SEEDS, st.floats(0.02, 1.0))
+def test_midpoints_are_closer_than_the_spacing(seed: int, spacing: float) -> None:
+    points = star_shaped(seed)
+    kept = polyline.simplify(points, 0.2)
+    samples, is_kept = polyline.insert_midpoints(points, kept, spacing)
+    assert (polyline.edge_lengths(samples) < spacing).all()
+    assert np.array_equal(samples[is_kept], points[kept])
+    indices = polyline.spread(samples, np.flatnonzero(is_kept), 4.0 * spacing)
+    assert set(np.flatnonzero(is_kept)) <= set(indices)
+
+
+def test_square() -> None:
+    square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [0.0, 2.0]])
+    assert polyline.signed_area(square) == 4.0
+    assert polyline.centroid(square).tolist() == [1.0, 1.0]
+    assert polyline.interior_angles(square) == pytest.approx(np.pi * np.array([0.5, 0.5, 1.0, 0.5, 0.5]))
+    assert polyline.simplify(square, 0.1).tolist() == [0, 1, 3, 4]
+    assert polyline.resample(square, 8)[1].tolist() == [1.0, 0.0]
+    assert polyline.is_simple(square)
+    assert not polyline.is_simple(square[[0, 3, 1, 4]])
+    assert polyline.at_length(square, np.array([9.0])).tolist() == [[1.0, 0.0]]
+
+
+def test_open_polyline_keeps_ends_and_spikes() -> None:
+    line = np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [2.0, 0.0]])
+    assert polyline.simplify_open(line, 0.5).tolist() == [0, 2, 3]
+    assert polyline.resample_open(line, 5)[-1].tolist() == [2.0, 0.0]
