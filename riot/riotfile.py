@@ -1,0 +1,121 @@
+"""The ``.riot`` file: a transform as JSON, exact to the last bit, readable without this project."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from riot.errors import FormatError
+from riot.pose import Placement
+from riot.shape import FloatArray, Shape
+from riot.transform import Piece, Transform
+
+FORMAT = "riot-transform"
+VERSION = 1
+
+
+def to_json(transform: Transform) -> str:
+    """The transform as JSON text; floats in the shortest form that reads back to the same bits."""
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "pieces": [
+            {"length": piece.length, "lower": piece.lower.tolist(), "upper": piece.upper.tolist()}
+            for piece in transform.pieces
+        ],
+        "angles": transform.angles.tolist(),
+        "conjugate_angles": transform.conjugate_angles.tolist(),
+        "place_p": [transform.place_p.x, transform.place_p.y, transform.place_p.heading],
+        "place_q": [transform.place_q.x, transform.place_q.y, transform.place_q.heading],
+        "p": _shape_document(transform.p),
+        "q": _shape_document(transform.q),
+        "trunk_p": transform.trunk_p.tolist(),
+        "trunk_q": transform.trunk_q.tolist(),
+        "bound_p": transform.bound_p,
+        "bound_q": transform.bound_q,
+    }
+    return json.dumps(document, ensure_ascii=False, separators=(",", ":"))
+
+
+def from_json(text: str, where: str = "text") -> Transform:
+    """Read what `to_json` wrote; ``where`` names the source in errors."""
+    try:
+        document = json.loads(text)
+    except ValueError as error:
+        raise FormatError(f"{where} is not a .riot file: it is not JSON ({error})") from None
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise FormatError(f'{where} is not a .riot file: it lacks "format": "{FORMAT}"')
+    if document.get("version") != VERSION:
+        raise FormatError(
+            f"{where} has version {document.get('version')!r}; this program reads version {VERSION}: "
+            "use the program that wrote it, or construct the transform again"
+        )
+    try:
+        return _transform(document)
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise FormatError(f"{where} is damaged: {type(error).__name__}: {error}") from None
+
+
+def save(transform: Transform, path: str | os.PathLike[str]) -> None:
+    """Write ``path``; a file already there is replaced in one step."""
+    target = Path(path)
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    temporary.write_text(to_json(transform), encoding="utf-8")
+    temporary.replace(target)
+
+
+def load(path: str | os.PathLike[str]) -> Transform:
+    """Read a ``.riot`` file; `FormatError` if it is none, FileNotFoundError if it is not there."""
+    return from_json(Path(path).read_text(encoding="utf-8", errors="replace"), str(path))
+
+
+def _shape_document(shape: Shape) -> dict[str, Any]:
+    return {
+        "name": shape.name,
+        "points": shape.points.tolist(),
+        "feature": np.flatnonzero(shape.feature).tolist(),
+        "to_source": shape.to_source.tolist(),
+    }
+
+
+def _points(value: Any) -> FloatArray:
+    points = np.asarray(value, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
+        raise ValueError(f"points of shape {points.shape} where (k, 2) finite numbers belong")
+    return points
+
+
+def _shape(document: dict[str, Any]) -> Shape:
+    points = _points(document["points"])
+    feature = np.zeros(len(points), dtype=bool)
+    feature[document["feature"]] = True
+    to_source = np.asarray(document["to_source"], dtype=np.float64).reshape(2, 3)
+    return Shape(points, feature, str(document["name"]), to_source)
+
+
+def _transform(document: dict[str, Any]) -> Transform:
+    pieces = tuple(
+        Piece(float(piece["length"]), _points(piece["lower"]), _points(piece["upper"]))
+        for piece in document["pieces"]
+    )
+    angles = np.asarray(document["angles"], dtype=np.float64)
+    conjugate = np.asarray(document["conjugate_angles"], dtype=np.float64)
+    if len(pieces) < 3 or angles.shape != (len(pieces),) or conjugate.shape != angles.shape:
+        raise ValueError(f"{len(pieces)} pieces, {angles.shape} and {conjugate.shape} angles")
+    return Transform(
+        pieces=pieces,
+        angles=angles,
+        conjugate_angles=conjugate,
+        place_p=Placement(*map(float, document["place_p"])),
+        place_q=Placement(*map(float, document["place_q"])),
+        p=_shape(document["p"]),
+        q=_shape(document["q"]),
+        trunk_p=_points(document["trunk_p"]),
+        trunk_q=_points(document["trunk_q"]),
+        bound_p=float(document["bound_p"]),
+        bound_q=float(document["bound_q"]),
+    )

@@ -1,0 +1,143 @@
+"""Transform: a RIOT as n rigid pieces in a chain; everything else follows from them by rigid motion (theory §1, §8).
+
+Piece i owns trunk edge ``e_i``. In the piece's own frame the edge lies on the x-axis from (0, 0) to (length, 0);
+below hangs P's exterior piece i, above it stands Q's. Hinge j joins piece j−1 to piece j; hinge 0 closes the chain.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from riot.pose import Chain, Placement, Pose, swing
+from riot.shape import FloatArray, Shape
+
+if TYPE_CHECKING:
+    from riot.certify import Certificate, Deformation
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One rigid piece, in its own frame.
+
+    Parameters
+    ----------
+    length : float
+        Length of its trunk edge.
+    lower : (k, 2) float64
+        P's boundary arc, from (0, 0) to (length, 0), y ≤ 0: the edge itself if the exterior piece is empty.
+    upper : (l, 2) float64
+        Q's boundary arc, from (length, 0) back to (0, 0), y ≥ 0.
+    """
+
+    length: float
+    lower: FloatArray
+    upper: FloatArray
+
+    @property
+    def polygon(self) -> FloatArray:
+        """(k + l − 2, 2) the piece's whole outline, counter-clockwise, each point once."""
+        return np.concatenate([self.lower[:-1], self.upper[:-1]])
+
+
+@dataclass(frozen=True, eq=False)
+class Transform:
+    """An exact reversible transform of P into Q.
+
+    Parameters
+    ----------
+    pieces : tuple of Piece
+        In chain order, n ≥ 3.
+    angles : (n,) float64
+        Trunk angles α_j of T at hinge j (the start of edge j), radians; T is listed counter-clockwise.
+    conjugate_angles : (n,) float64
+        Trunk angles of T̄ at the same hinges.
+    place_p, place_q : Placement
+        Of piece 0 in P's frame when the chain is closed as P, and in Q's when it is closed as Q.
+    p, q : Shape
+        The inputs.
+    trunk_p, trunk_q : (n, 2) float64
+        Trunk vertices on the inputs before they were made conjugate, in corresponding order: ``trunk_p``
+        counter-clockwise, ``trunk_q`` clockwise.
+    bound_p, bound_q : float
+        Upper bounds of the IoU that any exact construction on these conjugate trunks can reach (theory §8).
+    """
+
+    pieces: tuple[Piece, ...]
+    angles: FloatArray
+    conjugate_angles: FloatArray
+    place_p: Placement
+    place_q: Placement
+    p: Shape
+    q: Shape
+    trunk_p: FloatArray
+    trunk_q: FloatArray
+    bound_p: float = math.nan
+    bound_q: float = math.nan
+
+    def __len__(self) -> int:
+        return len(self.pieces)
+
+    @cached_property
+    def chain(self) -> Chain:
+        """Edge lengths and trunk angles."""
+        return Chain(np.array([piece.length for piece in self.pieces]), self.angles, self.conjugate_angles)
+
+    def pose(self, t: float, open_hinge: int = 0) -> Pose:
+        """The chain at time t: 0 is P in P's frame, 1 is Q in Q's; between them every hinge turns evenly.
+
+        The chain is open at ``open_hinge``. Pieces may collide on the way: this is the course of a picture's
+        animation, not a motion plan. Ours.
+        """
+        return swing(self.chain, self.place_p, self.place_q, t, open_hinge)
+
+    def parts(self, pose: Pose) -> list[FloatArray]:
+        """The n pieces' polygons in a pose, counter-clockwise, each point once."""
+        return [pose.place(i, piece.polygon) for i, piece in enumerate(self.pieces)]
+
+    def outline_p(self) -> FloatArray:
+        """(m, 2) outline of the assembled P, counter-clockwise, in P's frame."""
+        pose = self.pose(0.0)
+        return np.concatenate([pose.place(i, piece.lower[:-1]) for i, piece in enumerate(self.pieces)])
+
+    def outline_q(self) -> FloatArray:
+        """(m, 2) outline of the assembled Q, counter-clockwise, in Q's frame."""
+        pose = self.pose(1.0)
+        chain = reversed(list(enumerate(self.pieces)))
+        return np.concatenate([pose.place(i, piece.upper[:-1]) for i, piece in chain])
+
+    def certificate(self) -> Certificate:
+        """Verify the two assemblies; see `riot.certify.Certificate`."""
+        from riot.certify import certify
+
+        return certify(self)
+
+    def deformation(self) -> Deformation:
+        """Compare the two assemblies with the inputs; see `riot.certify.Deformation`."""
+        from riot.certify import measure
+
+        return measure(self)
+
+    def draw(self, path: str | os.PathLike[str]) -> None:
+        """Draw inputs, trunks, both dissections and the chain; the suffix (svg, png, pdf) chooses the format."""
+        from riot.draw import draw_transform
+
+        draw_transform(self, path)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a ``.riot`` file: JSON, exact to the last bit; `load` reads it back equal."""
+        from riot.riotfile import save
+
+        save(self, path)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Transform:
+        """Read a ``.riot`` file; raises `riot.errors.FormatError` if it is none, or of an unknown version."""
+        from riot.riotfile import load
+
+        return load(path)
