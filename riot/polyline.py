@@ -73,8 +73,8 @@ def is_simple(points: FloatArray) -> bool:
 def simplify_open(points: FloatArray, tolerance: float) -> IntArray:
     """Douglas–Peucker on an (m, 2) polyline: sorted indices, (k,) int64, of the kept vertices.
 
-    Both ends are kept. ``tolerance`` is in the units of ``points``: every dropped vertex lies within it of the
-    chord over it.
+    Both ends are kept. ``tolerance`` is in the units of ``points``: every dropped vertex lies within it
+    of the chord over it.
     """
     if len(points) < 3:
         return np.arange(len(points), dtype=np.int64)
@@ -94,8 +94,8 @@ def simplify(points: FloatArray, tolerance: float) -> IntArray:
     m = len(points)
     if m < 3:
         return np.arange(m, dtype=np.int64)
-    first = _farthest(points, centroid(points))
-    second = _farthest(points, points[first])
+    first = farthest(points, centroid(points))
+    second = farthest(points, points[first])
     turned = np.ascontiguousarray(np.concatenate([points[first:], points[: first + 1]]), dtype=np.float64)
     middle = (second - first) % m
     if middle == 0:  # all vertices coincide
@@ -110,7 +110,7 @@ def simplify(points: FloatArray, tolerance: float) -> IntArray:
 
 
 def resample(points: FloatArray, count: int) -> FloatArray:
-    """``count`` points at equal steps of arc length on a closed polygon, (count, 2), the first at vertex 0."""
+    """``count`` points at equal steps of arc length on a polygon, (count, 2), the first at vertex 0."""
     lengths = arc_length(points)
     return at_length(points, np.arange(count) * (lengths[-1] / count))
 
@@ -123,7 +123,7 @@ def resample_open(points: FloatArray, count: int) -> FloatArray:
 
 
 def at_length(points: FloatArray, positions: FloatArray) -> FloatArray:
-    """Points, (k, 2), at arc-length ``positions``, (k,), from vertex 0 of a closed polygon; they wrap around."""
+    """Points, (k, 2), at arc-length ``positions``, (k,), from vertex 0 of a polygon; they wrap around."""
     lengths = arc_length(points)
     closed = np.concatenate([points, points[:1]])
     return _interpolate(closed, lengths, np.mod(positions, lengths[-1]))
@@ -182,8 +182,8 @@ def _interpolate(points: FloatArray, lengths: FloatArray, positions: FloatArray)
     )
 
 
-def _farthest(points: FloatArray, origin: FloatArray) -> int:
-    """Index of the vertex farthest from ``origin``; ties go to the least x, then the least y."""
+def farthest(points: FloatArray, origin: FloatArray) -> int:
+    """Index of the vertex farthest from ``origin``; ties go to least x, then least y."""
     square = ((points - origin) ** 2).sum(axis=1)
     tied = np.flatnonzero(square >= square.max() * (1.0 - _TIE))
     order = np.lexsort((points[tied, 1], points[tied, 0]))
