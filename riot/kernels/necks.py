@@ -1,0 +1,118 @@
+"""Hot loop of the reversibility score: local maxima of geodesic over Euclidean distance, and inscribed segments."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from riot.kernels.options import kernel
+from riot.shape import FloatArray, IntArray
+
+
+@kernel
+def contains(points: FloatArray, x: float, y: float, tolerance: float) -> bool:
+    """Whether (x, y) lies in the closed polygon (m, 2), or within ``tolerance`` of its boundary."""
+    m = points.shape[0]
+    inside = False
+    previous = m - 1
+    for i in range(m):
+        ax, ay = points[previous, 0], points[previous, 1]
+        bx, by = points[i, 0], points[i, 1]
+        ex, ey = bx - ax, by - ay
+        squared = ex * ex + ey * ey
+        t = 0.0
+        if squared > 0.0:
+            t = min(1.0, max(0.0, ((x - ax) * ex + (y - ay) * ey) / squared))
+        dx, dy = x - ax - t * ex, y - ay - t * ey
+        if dx * dx + dy * dy <= tolerance * tolerance:
+            return True
+        if (ay > y) != (by > y) and x < ax + (y - ay) * ex / ey:
+            inside = not inside
+        previous = i
+    return inside
+
+
+@kernel
+def inscribed(points: FloatArray, first: int, second: int, tolerance: float) -> bool:
+    """Whether the segment between two vertices of the simple polygon (m, 2) lies in the closed polygon.
+
+    Without a proper crossing the segment can only change sides where it touches a vertex; so it is cut at the
+    vertices nearer than ``tolerance`` and the middle of every part is looked up. Exact but for that distance.
+    """
+    m = points.shape[0]
+    px, py = points[first, 0], points[first, 1]
+    dx, dy = points[second, 0] - px, points[second, 1] - py
+    length = np.sqrt(dx * dx + dy * dy)
+    if length <= tolerance:
+        return True
+    dx, dy = dx / length, dy / length
+
+    touching = np.empty(m + 2, dtype=np.float64)
+    touching[0], touching[1] = 0.0, length
+    touches = 2
+    previous = m - 1
+    along_a = (points[previous, 0] - px) * dx + (points[previous, 1] - py) * dy
+    side_a = (points[previous, 1] - py) * dx - (points[previous, 0] - px) * dy
+    for i in range(m):
+        along_b = (points[i, 0] - px) * dx + (points[i, 1] - py) * dy
+        side_b = (points[i, 1] - py) * dx - (points[i, 0] - px) * dy
+        if abs(side_b) <= tolerance:
+            if 0.0 < along_b < length:
+                touching[touches] = along_b
+                touches += 1
+        elif abs(side_a) > tolerance and (side_a > 0.0) != (side_b > 0.0):
+            # The edge crosses the segment's line at a point of its own interior.
+            along = along_a + (along_b - along_a) * side_a / (side_a - side_b)
+            if 0.0 < along < length:
+                return False
+        along_a, side_a = along_b, side_b
+
+    parts = np.sort(touching[:touches])
+    for k in range(touches - 1):
+        if parts[k + 1] - parts[k] > tolerance:
+            middle = 0.5 * (parts[k] + parts[k + 1])
+            if not contains(points, px + middle * dx, py + middle * dy, tolerance):
+                return False
+    return True
+
+
+@kernel
+def find_necks(
+    points: FloatArray, arc: FloatArray, perimeter: float, concave: IntArray, tie: float, tolerance: float
+) -> IntArray:
+    """Index pairs (k, 2) of all necks, in the order of ``concave``, then of the boundary.
+
+    ``arc`` (m,) is the arc length at each point, ``concave`` the indices to start from. A point is a local
+    maximum if neither neighbour exceeds it by more than the relative ``tie``.
+    """
+    m = points.shape[0]
+    ratio = np.empty(m, dtype=np.float64)
+    found = np.empty((concave.shape[0] * m, 2), dtype=np.int64)
+    count = 0
+    for c in range(concave.shape[0]):
+        p1 = concave[c]
+        for i in range(m):
+            geodesic = abs(arc[i] - arc[p1])
+            geodesic = min(geodesic, perimeter - geodesic)
+            dx, dy = points[i, 0] - points[p1, 0], points[i, 1] - points[p1, 1]
+            distance = np.sqrt(dx * dx + dy * dy)
+            ratio[i] = geodesic / distance if distance > 0.0 else 0.0
+        for i in range(m):
+            left, right = (i - 1) % m, (i + 1) % m
+            if i in (p1, (p1 + 1) % m, (p1 - 1) % m):
+                continue
+            if (
+                ratio[i] * (1.0 + tie) >= ratio[left]
+                and ratio[i] * (1.0 + tie) >= ratio[right]
+                and ratio[i] > 1.0 + tie
+                and inscribed(points, p1, i, tolerance)
+            ):
+                found[count, 0], found[count, 1] = p1, i
+                count += 1
+    return found[:count].copy()
+
+
+def warm() -> None:
+    """Compile the kernels on a tiny polygon."""
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.2], [0.0, 1.0]])
+    arc = np.arange(5, dtype=np.float64)
+    find_necks(points, arc, 5.0, np.array([3], dtype=np.int64), 1e-9, 1e-9)
