@@ -1,0 +1,90 @@
+"""Artifact: named arrays and a small document, in one deterministic, memory-mappable payload.
+
+Layout: 8 bytes magic, 8 bytes little-endian header length, a canonical JSON header (the document, and name, dtype,
+shape, offset and length of every array), then the arrays' C-contiguous little-endian bytes, each at a multiple of 64.
+No pickle anywhere: reading a payload runs no code.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeline.errors import PayloadError
+
+MAGIC = b"RIOTART1"
+ALIGNMENT = 64
+AnyArray = npt.NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Artifact:
+    """What one work item produced: arrays by name, and a JSON document (rows, errors, scalars)."""
+
+    arrays: Mapping[str, AnyArray] = field(default_factory=dict)
+    document: Mapping[str, Any] = field(default_factory=dict)
+
+
+def canonical_json(value: Any) -> str:
+    """JSON with sorted keys and no spaces; floats in shortest round-trip form; NaN and infinity allowed."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+
+
+def encode(artifact: Artifact) -> bytes:
+    """Serialise: equal artifacts give equal bytes, whatever the order of their names.
+
+    Raises `PayloadError` for an array of objects or strings.
+    """
+    entries: list[dict[str, Any]] = []
+    chunks: list[bytes] = []
+    position = 0
+    for name in sorted(artifact.arrays):
+        array = np.asarray(artifact.arrays[name])
+        if array.dtype.kind not in "biuf":
+            raise PayloadError(f"array {name!r} has dtype {array.dtype}; an artifact holds numbers and booleans only")
+        shape = array.shape  # ascontiguousarray makes a scalar one-dimensional
+        little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+        data = little.tobytes()
+        padding = -position % ALIGNMENT
+        position += padding
+        entries.append(
+            {"name": name, "dtype": little.dtype.str, "shape": list(shape), "offset": position, "bytes": len(data)}
+        )
+        chunks += [b"\0" * padding, data]
+        position += len(data)
+    header = canonical_json({"arrays": entries, "document": artifact.document}).encode()
+    start = len(MAGIC) + 8 + len(header)
+    return b"".join([MAGIC, struct.pack("<Q", len(header)), header, b"\0" * (-start % ALIGNMENT), *chunks])
+
+
+def decode(payload: bytes | memoryview) -> Artifact:
+    """Read what `encode` wrote; the arrays are read-only views of ``payload``.
+
+    Raises `PayloadError` when the bytes are not a whole payload.
+    """
+    view = memoryview(payload)
+    try:
+        if bytes(view[: len(MAGIC)]) != MAGIC:
+            raise PayloadError("not an artifact: wrong magic bytes")
+        (length,) = struct.unpack("<Q", view[len(MAGIC) : len(MAGIC) + 8])
+        start = len(MAGIC) + 8 + length
+        header = json.loads(bytes(view[len(MAGIC) + 8 : start]))
+        start += -start % ALIGNMENT
+        arrays: dict[str, AnyArray] = {}
+        for entry in header["arrays"]:
+            low = start + entry["offset"]
+            raw = view[low : low + entry["bytes"]]
+            array = np.frombuffer(raw, dtype=np.dtype(entry["dtype"])).reshape(entry["shape"])
+            array.flags.writeable = False
+            arrays[entry["name"]] = array
+        return Artifact(arrays, header["document"])
+    except PayloadError:
+        raise
+    except (ValueError, KeyError, TypeError, struct.error) as error:
+        raise PayloadError(f"not a whole artifact: {error}") from error

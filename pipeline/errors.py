@@ -1,0 +1,21 @@
+"""The errors of the pipeline; all are `riot.errors.RiotError`, each with a builtin parent as well."""
+
+from __future__ import annotations
+
+from riot.errors import RiotError
+
+
+class PipelineError(RiotError):
+    """Root of what the pipeline raises on purpose."""
+
+
+class ConfigError(PipelineError, ValueError):
+    """A name, type or value in the configuration that is not allowed; the message lists what is."""
+
+
+class StartError(PipelineError, RuntimeError):
+    """Something outside the configuration that keeps a run from starting (a folder that cannot be written …)."""
+
+
+class PayloadError(PipelineError, ValueError):
+    """Bytes that are no artifact, or an array that an artifact cannot hold."""

@@ -1,0 +1,181 @@
+"""Store: content-addressed artifacts on a file system; the manifest is the commit.
+
+``store/<stage>/<kk>/<key>/payload.bin`` is written first, ``manifest.json`` with the payload's digest last, each
+under a unique name in the same folder, synced, then renamed. There is no lock: two writers of one key write the same
+payload. Whatever is torn, truncated or altered is a miss with the reason ``corrupt``, and gets written again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import mmap
+import os
+import uuid
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from pipeline.artifact import Artifact, canonical_json, decode, encode
+from pipeline.errors import PayloadError
+from pipeline.keys import SCHEMA, KeyParts, digest_bytes
+
+PAYLOAD = "payload.bin"
+MANIFEST = "manifest.json"
+TEMPORARY = ".tmp-"
+
+
+class State(Enum):
+    """What the store knows of a key."""
+
+    PRESENT = "present"
+    ABSENT = "absent"
+    CORRUPT = "corrupt"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A committed artifact: its manifest, read but not yet checked against the payload."""
+
+    stage: str
+    key: str
+    digest: str
+    size: int
+    parts: Mapping[str, Any]
+    cost: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Store:
+    """A folder of artifacts. Any number of processes may read and write it at once."""
+
+    root: Path
+
+    def folder(self, stage: str, key: str) -> Path:
+        """Where the artifact of a key lives, whether it exists or not."""
+        return self.root / stage / key[:2] / key
+
+    def put(self, parts: KeyParts, artifact: Artifact, cost: Mapping[str, float] | None = None) -> str:
+        """Write an artifact under the key of ``parts`` and commit it; returns the key.
+
+        ``cost`` (seconds, cpu_seconds, peak_mb) is kept in the manifest for estimates; it is no part of the payload.
+        """
+        key = parts.key()
+        folder = self.folder(parts.stage, key)
+        folder.mkdir(parents=True, exist_ok=True)
+        payload = encode(artifact)
+        manifest = {
+            "schema": SCHEMA,
+            "stage": parts.stage,
+            "key": key,
+            "digest": digest_bytes(payload),
+            "bytes": len(payload),
+            "parts": parts.to_json(),
+            "cost": dict(cost or {}),
+        }
+        write_atomically(folder / PAYLOAD, payload)
+        write_atomically(folder / MANIFEST, canonical_json(manifest).encode())
+        return key
+
+    def entry(self, stage: str, key: str) -> Entry | None:
+        """The manifest of a key; None without one. Raises `PayloadError` when it is damaged."""
+        try:
+            raw = (self.folder(stage, key) / MANIFEST).read_bytes()
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        try:
+            data = json.loads(raw)
+            if data["schema"] != SCHEMA or data["stage"] != stage or data["key"] != key:
+                raise PayloadError(f"manifest of {stage}/{key[:12]} names another artifact or schema")
+            return Entry(stage, key, data["digest"], int(data["bytes"]), data["parts"], data["cost"])
+        except (ValueError, KeyError, TypeError) as error:
+            raise PayloadError(f"manifest of {stage}/{key[:12]} is damaged: {error}") from error
+
+    def state(self, stage: str, key: str) -> State:
+        """Check a key down to the last byte of its payload."""
+        try:
+            entry = self.entry(stage, key)
+            if entry is None:
+                return State.ABSENT
+            with self._payload(entry):
+                return State.PRESENT
+        except (PayloadError, OSError):
+            return State.CORRUPT
+
+    def get(self, stage: str, key: str) -> Artifact:
+        """Read an artifact; the payload is checked, and its arrays are read-only views of the mapped file.
+
+        Raises KeyError when it is absent, `PayloadError` when it is corrupt.
+        """
+        entry = self.entry(stage, key)
+        if entry is None:
+            raise KeyError(f"no artifact {stage}/{key} in {self.root}")
+        return decode(self._map(entry))
+
+    def entries(self, stage: str | None = None) -> Iterator[Entry]:
+        """All committed artifacts whose manifests can be read, in order of stage and key."""
+        for name, key in self.keys(stage):
+            with contextlib.suppress(PayloadError):
+                entry = self.entry(name, key)
+                if entry is not None:
+                    yield entry
+
+    def keys(self, stage: str | None = None) -> Iterator[tuple[str, str]]:
+        """(stage, key) of every artifact folder, committed or not, sorted."""
+        if not self.root.is_dir():
+            return
+        for stage_folder in sorted(self.root.iterdir()):
+            if stage_folder.is_dir() and (stage is None or stage_folder.name == stage):
+                for folder in sorted(stage_folder.glob("??/*")):
+                    if folder.is_dir():
+                        yield stage_folder.name, folder.name
+
+    @contextlib.contextmanager
+    def _payload(self, entry: Entry) -> Iterator[memoryview]:
+        view = self._map(entry)
+        try:
+            yield view
+        finally:
+            view.release()
+
+    def _map(self, entry: Entry) -> memoryview:
+        path = self.folder(entry.stage, entry.key) / PAYLOAD
+        try:
+            with path.open("rb") as stream:
+                size = os.fstat(stream.fileno()).st_size
+                if size != entry.size:
+                    raise PayloadError(f"{entry.stage}/{entry.key[:12]}: {size} bytes, {entry.size} expected")
+                view = memoryview(mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ))
+        except FileNotFoundError as error:
+            raise PayloadError(f"{entry.stage}/{entry.key[:12]}: the payload is missing") from error
+        if digest_bytes(view) != entry.digest:
+            raise PayloadError(f"{entry.stage}/{entry.key[:12]}: the payload was altered")
+        return view
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write a file so that readers see the old one, the new one or none, and a crash leaves no torn one."""
+    temporary = path.with_name(f"{TEMPORARY}{uuid.uuid4().hex}")
+    try:
+        with temporary.open("wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        temporary.replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+        raise
+    sync_folder(path.parent)
+
+
+def sync_folder(folder: Path) -> None:
+    """Make renames in a folder durable, where the file system can."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
