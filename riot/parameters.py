@@ -23,10 +23,14 @@ class ShapeParameters:
 
     spacing: float = 100.0
     """Consecutive boundary points are closer than ``L_c / spacing``."""
-    feature_tolerance: float = 0.004
+    feature_tolerance: float = 0.006
     """Douglas–Peucker tolerance for the main feature points, in units of ``L_c`` (ours)."""
     max_pixels: int = 64_000_000
     """A picture with more pixels is refused (ours)."""
+    min_pixels: int = 64
+    """An object with fewer pixels is refused (ours)."""
+    smoothing: float = 1.0
+    """Standard deviation, in pixels, of the blur that takes the stair-case off binary pictures (ours)."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,10 @@ class TrunkParameters:
 
     spacing: float = 15.0
     """Sparse boundary points are closer than ``d_space = L_c / spacing``."""
+    sparse_tolerance: float = 0.03
+    """Douglas–Peucker tolerance of the sparse points' features, in units of ``L_c`` (ours)."""
+    local: float = 50.0
+    """The local outside angle is taken over ``L_c / local`` on either side (ours)."""
     tau_s: float = 0.1
     """Douglas–Peucker tolerance of the simplified boundary (absolute, unit-area shape)."""
     tau_c: float = 0.3

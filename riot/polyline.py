@@ -177,9 +177,7 @@ def _halved(starts: FloatArray, perimeter: float, spacing: float) -> tuple[Float
 
 
 def _interpolate(points: FloatArray, lengths: FloatArray, positions: FloatArray) -> FloatArray:
-    return np.column_stack(
-        [np.interp(positions, lengths, points[:, 0]), np.interp(positions, lengths, points[:, 1])]
-    )
+    return np.column_stack([np.interp(positions, lengths, points[:, 0]), np.interp(positions, lengths, points[:, 1])])
 
 
 def farthest(points: FloatArray, origin: FloatArray) -> int:
