@@ -1,0 +1,135 @@
+"""One figure of a transform: inputs and trunks, dissections, deformation, the chain, and the swing in seven poses."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path as FilePath
+
+from riot.draw.course import quiet_hinge
+from riot.draw.panels import (
+    chain_marks,
+    deformation_marks,
+    dissection_marks,
+    input_marks,
+    pose_marks,
+    sketch,
+)
+from riot.draw.scene import Box, Label, Mark, Scene, extent, moved
+from riot.errors import RiotError
+from riot.transform import Transform
+
+STRIP_TIMES = (0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0)
+"""The poses of the strip."""
+
+FORMATS = ("svg", "png", "pdf")
+"""Suffixes that `draw_transform` knows."""
+
+_PENS_ACROSS = 960.0
+"""Width of the figure in pens."""
+
+_NAME_LENGTH = 28
+"""Longer names would run into each other."""
+
+
+class PictureFormatError(RiotError, ValueError):
+    """A file name whose suffix is no picture format that can be written."""
+
+
+def draw_transform(transform: Transform, path: str | os.PathLike[str]) -> None:
+    """Write one figure of the transform; the suffix (svg, png, pdf) chooses the format.
+
+    The same transform gives the same bytes. Raises `PictureFormatError` (a ValueError) for another suffix, and OSError
+    if the file cannot be written. Ours.
+    """
+    target = FilePath(path)
+    kind = target.suffix.lower().lstrip(".")
+    if kind not in FORMATS:
+        raise PictureFormatError(
+            f"cannot draw {target.name!r}: the suffix {target.suffix!r} is no picture format known here; "
+            f"use one of {', '.join('.' + name for name in FORMATS)}"
+        )
+    scene = figure_scene(transform)
+    if kind == "svg":
+        from riot.draw.svg import document
+
+        target.write_text(document(scene), encoding="utf-8", newline="\n")
+    else:
+        from riot.draw import plot
+
+        target.write_bytes(plot.png(scene) if kind == "png" else plot.pdf(scene))
+
+
+def figure_scene(transform: Transform) -> Scene:
+    """The figure of `draw_transform` before it has a format."""
+    drawn = sketch(transform)
+    hinge = quiet_hinge(transform)
+    names = _short(transform.p.name or "P"), _short(transform.q.name or "Q")
+    cells = [_row(drawn, side) for side in ("p", "q")]
+    boxes = [extent(marks, drawn.pieces) for row in cells for marks in row]
+    cell_width = max(x1 - x0 for x0, _, x1, _ in boxes)
+    gap = 0.14 * cell_width
+    width = 3 * cell_width + 4 * gap
+    pen = width / _PENS_ACROSS
+    line = 30 * pen
+
+    marks: list[Mark] = []
+    top = -46 * pen
+    marks.append(Label(gap, top, f"{names[0]} ⇄ {names[1]}", size=24, anchor="start", weight="bold"))
+    marks.append(Label(gap, top - 24 * pen, _numbers(transform), "note", anchor="start"))
+    top -= 24 * pen + line
+    for row, name in zip(cells, names, strict=True):
+        captions = (f"{name} and its trunk", "what the pieces make, over it", f"{name} from {len(drawn)} pieces")
+        tall = max(y1 - y0 for _, y0, _, y1 in (extent(each, drawn.pieces) for each in row))
+        for column, (cell, caption) in enumerate(zip(row, captions, strict=True)):
+            x = gap + cell_width / 2 + column * (cell_width + gap)
+            marks += _centred(cell, drawn, x, top - tall / 2)
+            marks.append(Label(x, top - tall - 0.9 * line, caption, "note"))
+        top -= tall + 2 * line
+    chain = chain_marks(drawn, hinge)
+    top = _fitted(marks, [chain], drawn, top, width - 2 * gap, gap)
+    marks.append(Label(width / 2, top - 0.9 * line, f"the chain: {names[0]} below, {names[1]} above", "note"))
+    top -= 2 * line
+    poses = [pose_marks(drawn, drawn.pose(t, hinge), hinge) for t in STRIP_TIMES]
+    top = _fitted(marks, poses, drawn, top, width - 2 * gap, gap)
+    marks.append(Label(width / 2, top - 0.9 * line, "the swing, open at one hinge", "note"))
+    title = f"Reversible transform of {names[0]} into {names[1]}, {len(drawn)} hinged pieces"
+    return Scene(title, (0.0, top - 2 * line, width, 0.0), pen, drawn.pieces, tuple(marks))
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= _NAME_LENGTH else f"{name[: _NAME_LENGTH - 1]}…"
+
+
+def _row(drawn: Transform, side: str) -> list[list[Mark]]:
+    return [input_marks(drawn, side), deformation_marks(drawn, side), dissection_marks(drawn, side)]
+
+
+def _numbers(transform: Transform) -> str:
+    deformation, certificate = transform.deformation(), transform.certificate()
+    verdict = (
+        f"certified, residual {certificate.residual:.0e}"
+        if certificate.passed
+        else f"not certified: {certificate.failure}"
+    )
+    return f"{len(transform)} pieces · IoU {deformation.iou_p:.3f} and {deformation.iou_q:.3f} · {verdict}"
+
+
+def _centred(marks: list[Mark], drawn: Transform, x: float, y: float) -> list[Mark]:
+    x0, y0, x1, y1 = extent(marks, drawn.pieces)
+    return moved(marks, x - (x0 + x1) / 2, y - (y0 + y1) / 2)
+
+
+def _fitted(
+    marks: list[Mark], groups: list[list[Mark]], drawn: Transform, top: float, width: float, left: float
+) -> float:
+    """Append groups side by side at one scale, at most 1, that fits the width; return their lower end."""
+    boxes: list[Box] = [extent(group, drawn.pieces) for group in groups]
+    space = 0.03 * width
+    widths = [x1 - x0 for x0, _, x1, _ in boxes]
+    scale = min(1.0, (width - space * (len(groups) - 1)) / sum(widths))
+    tall = max(y1 - y0 for _, y0, _, y1 in boxes) * scale
+    x = left + (width - scale * sum(widths) - space * (len(groups) - 1)) / 2
+    for group, (x0, y0, _, y1), wide in zip(groups, boxes, widths, strict=True):
+        marks += moved(group, x - scale * x0, top - tall / 2 - scale * (y0 + y1) / 2, scale)
+        x += scale * wide + space
+    return top - tall

@@ -1,0 +1,91 @@
+"""What each picture of a transform shows, as marks in the shape's own frame (unit area, y up). Ours."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from riot.draw.palette import hue
+from riot.draw.scene import Dot, Mark, Part, Path
+from riot.polyline import simplify, simplify_open
+from riot.pose import Pose, direction
+from riot.shape import FloatArray
+from riot.transform import Piece, Transform
+
+DETAIL = 5e-4
+"""Outlines are drawn within this distance of the truth (unit-area shapes): a tenth of a pixel in most pictures."""
+
+
+def sketch(transform: Transform, tolerance: float = DETAIL) -> Transform:
+    """The transform with the detail that no picture shows left out of its pieces and inputs.
+
+    For pictures only: arcs are simplified piece by piece, so it is not exact any more.
+    """
+    pieces = tuple(
+        Piece(piece.length, _thin(piece.lower, tolerance), _thin(piece.upper, tolerance)) for piece in transform.pieces
+    )
+    return replace(transform, pieces=pieces)
+
+
+def input_marks(transform: Transform, side: str) -> list[Mark]:
+    """An input with its trunk, every trunk edge in the colour of the piece that will own it; side "p" or "q"."""
+    outline, trunk = _input(transform, side)
+    n = len(transform)
+    edges = [np.array([trunk[j], trunk[(j + 1) % n]]) for j in range(n)]
+    marks: list[Mark] = [Path(outline, "silhouette"), Path(trunk, "casing")]
+    marks += [Path(edge, f"edge{hue(j, n)}", closed=False) for j, edge in enumerate(edges)]
+    marks += [Dot(float(x), float(y), "hinge") for x, y in trunk]
+    return marks
+
+
+def deformation_marks(transform: Transform, side: str) -> list[Mark]:
+    """The outline that the pieces make, over the input; side "p" or "q"."""
+    outline, _ = _input(transform, side)
+    made = transform.outline_p() if side == "p" else transform.outline_q()
+    return [Path(outline, "silhouette"), Path(made, "outline")]
+
+
+def dissection_marks(transform: Transform, side: str) -> list[Mark]:
+    """The closed chain: P's dissection for side "p", Q's for "q"."""
+    return pose_marks(transform, transform.pose(0.0 if side == "p" else 1.0), 0, closed=True)
+
+
+def pose_marks(transform: Transform, pose: Pose, open_hinge: int, closed: bool = False) -> list[Mark]:
+    """The pieces in a pose, hinges on top; the open hinge, if it is open, as rings at its two ends."""
+    n = len(transform)
+    marks: list[Mark] = [
+        Part(i, float(pose.origins[i, 0]), float(pose.origins[i, 1]), float(pose.headings[i])) for i in range(n)
+    ]
+    for i in range(n):
+        ring = i == open_hinge and not closed
+        marks.append(Dot(float(pose.origins[i, 0]), float(pose.origins[i, 1]), "open" if ring else "hinge"))
+    if not closed:
+        last = (open_hinge - 1) % n
+        x, y = pose.origins[last] + transform.pieces[last].length * direction(float(pose.headings[last]))
+        marks.append(Dot(float(x), float(y), "open"))
+    return marks
+
+
+def chain_marks(transform: Transform, open_hinge: int = 0) -> list[Mark]:
+    """The chain laid out straight: P's exterior pieces hang below the line, Q's stand above it."""
+    n = len(transform)
+    headings, origins = np.zeros(n), np.zeros((n, 2))
+    x = 0.0
+    for k in range(n):
+        i = (open_hinge + k) % n
+        origins[i, 0] = x
+        x += transform.pieces[i].length
+    return pose_marks(transform, Pose(0.5, headings, origins), open_hinge)
+
+
+def _input(transform: Transform, side: str) -> tuple[FloatArray, FloatArray]:
+    shape = transform.p if side == "p" else transform.q
+    trunk = transform.trunk_p if side == "p" else transform.trunk_q
+    kept = simplify(shape.points, DETAIL)
+    return (shape.points[kept] if len(kept) > 2 else shape.points), trunk
+
+
+def _thin(arc: FloatArray, tolerance: float) -> FloatArray:
+    thin: FloatArray = arc[simplify_open(arc, tolerance)]
+    return thin
