@@ -38,6 +38,9 @@ LEAST_DEPTH = 0.13
 """Of an exterior piece over its trunk edge: more than the paper's τ_s, so that it keeps a convex point."""
 CLEARANCE = 0.02
 """Half the width of the narrowest limb, gap or piece."""
+GREATEST_TIP = 4.0
+"""How far a limb may reach beyond where it is narrower than twice the clearance, in clearances: no whiskers, and no
+tip sharper than 29°."""
 GREATEST_ARC = 0.45
 """Boundary length of an exterior piece, in units of the perimeter."""
 GREATEST_PERIMETER = 2.0 * L_C
@@ -120,6 +123,7 @@ def dudeney() -> ExactPair:
     arcs_q = _walks(in_square, {k: nodes[[k, in_square.parent[k]]] for k in in_square.arcs})
     meeting = star(4)
     arcs_p = _walks(meeting, {k: np.array([w[k], corner_b]) for k in meeting.arcs})
+    arcs_p[1] = w[1:3]  # the empty piece
     scale = 1.0 / math.sqrt(math.sqrt(3.0) / 4.0)
     return _assemble(v * scale, w * scale, [a * scale for a in arcs_p], [a * scale for a in arcs_q])
 
