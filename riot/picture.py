@@ -70,7 +70,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
     except UnidentifiedImageError as error:
         raise SilhouetteError(
             "not-a-picture",
-            f"{where}: the content is none of {', '.join(FORMATS)}; convert it to PNG, or remove the file",
+            f"{where}: the content is none of {', '.join(FORMATS)} or SVG; convert it to PNG, or remove the file",
         ) from error
     except Image.DecompressionBombError as error:
         raise SilhouetteError("too-large", f"{where}: {error}; scale the picture down") from error

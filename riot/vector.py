@@ -36,17 +36,14 @@ _Colour = tuple[float, float, float]
 
 
 def looks_like_svg(path: str | os.PathLike[str]) -> bool:
-    """Whether a file's suffix or first bytes say SVG; False when it cannot be opened."""
-    where = Path(path)
-    if where.suffix.lower() == ".svg":
-        return True
+    """Whether a file's first bytes are those of XML; its suffix does not count. False when it cannot be opened."""
     try:
-        with where.open("rb") as file:
-            head = file.read(1024)
+        with Path(path).open("rb") as file:
+            head = file.read(64)
     except OSError:
         return False
     text = head.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # byte-order marks, UTF-16
-    return text.startswith((b"<?xml", b"<svg", b"<!--")) and b"<svg" in text
+    return text.startswith((b"<?xml", b"<svg", b"<!--", b"<!DOCTYPE"))
 
 
 def outline(path: str | os.PathLike[str]) -> FloatArray:
