@@ -86,7 +86,7 @@ class Scene:
 
 
 def moved(marks: Iterable[Mark], x: float, y: float, scale: float = 1.0) -> list[Mark]:
-    """The marks scaled about the origin and then shifted by (x, y); labels keep their size, dots shrink to half at most."""
+    """The marks scaled about the origin and then shifted by (x, y); labels keep their size, dots at least half."""
     found: list[Mark] = []
     for mark in marks:
         if isinstance(mark, Path):

@@ -1,0 +1,134 @@
+"""One transform of the gallery: its pictures, all in the same colours, and its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pipeline.report.markup import facts, number, small
+from pipeline.report.rows import TransformRow
+from riot.draw.animate import swing_of
+from riot.draw.course import quiet_hinge
+from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
+from riot.draw.scene import Mark, Scene, around, extent
+from riot.draw.svg import definitions, escape, fragment, naming
+from riot.transform import Transform
+
+PANEL_PENS, CHAIN_PENS, THUMB_PENS = 210.0, 420.0, 96.0
+"""Usual widths of the pictures on the page, in pixels: dots are sized for them."""
+
+MARGIN = 0.06
+"""Around the marks, in units of the shape."""
+
+
+@dataclass(frozen=True)
+class Card:
+    """HTML of one transform: the pieces' definitions (once a page), the card, and a small picture that leads to it."""
+
+    definitions: str
+    body: str
+    thumb: str
+
+
+def card(row: TransformRow, transform: Transform) -> Card:
+    """The card of a row of `transforms` and its ``.riot`` file."""
+    drawn = sketch(transform)
+    prefix = naming(drawn.pieces)
+    views: list[tuple[Callable[[Transform, str], list[Mark]], str]] = [
+        (input_marks, "input and trunk"),
+        (deformation_marks, "what the pieces make, over the input"),
+        (dissection_marks, "dissection"),
+    ]
+    marks = {(side, words): view(drawn, side) for side in ("p", "q") for view, words in views}
+    frames = _frames(drawn, marks)
+    figures = "".join(
+        _figure(
+            Scene(f"{name}: {words}", frames[side], _pen(frames[side], PANEL_PENS), (), tuple(found)), prefix, words
+        )
+        for (side, words), found in marks.items()
+        for name in [row.name_p if side == "p" else row.name_q]
+    )
+    hinge = quiet_hinge(transform)
+    chain = tuple(chain_marks(drawn, hinge))
+    box = around([extent(chain, drawn.pieces)], MARGIN)
+    straight = Scene(
+        f"The chain of {len(drawn)} pieces laid straight: {row.name_p} below, {row.name_q} above",
+        box, _pen(box, CHAIN_PENS), (), chain,
+    )  # fmt: skip
+    swing = swing_of(transform, prefix)
+    body = (
+        f'<article class="card" id="t{row.rank}" aria-labelledby="h{row.rank}">'
+        f'<header><span class="rank">{row.rank}</span><h3 id="h{row.rank}">{_names(row)}</h3>'
+        f'<p class="worth">IoU <b>{number(row.iou)}</b></p></header>'
+        f'<div class="pictures"><div class="panels">{figures}</div><div class="moves">'
+        f"<figure>{fragment(swing.scene, prefix, swing.body, 'swing')}<figcaption>the swing</figcaption></figure>"
+        f"{_figure(straight, prefix, 'the chain, straight', 'chain')}</div></div>"
+        f"{_numbers(row)}</article>\n"
+    )
+    return Card(definitions(drawn.pieces, prefix), body, _thumb(row, drawn, prefix, frames))
+
+
+def _frames(drawn: Transform, marks: dict[tuple[str, str], list[Mark]]) -> dict[str, tuple[float, float, float, float]]:
+    """A box for each side's pictures; both of one size, so that both shapes are seen at one scale."""
+    boxes = {
+        side: around((extent(found, drawn.pieces) for (of, _), found in marks.items() if of == side), MARGIN)
+        for side in ("p", "q")
+    }
+    wide = max(x1 - x0 for x0, _, x1, _ in boxes.values()) / 2
+    high = max(y1 - y0 for _, y0, _, y1 in boxes.values()) / 2
+    middles = {side: ((x0 + x1) / 2, (y0 + y1) / 2) for side, (x0, y0, x1, y1) in boxes.items()}
+    return {side: (x - wide, y - high, x + wide, y + high) for side, (x, y) in middles.items()}
+
+
+def _figure(scene: Scene, prefix: str, caption: str, kind: str = "") -> str:
+    return f"<figure>{fragment(scene, prefix, kind=kind)}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def _thumb(
+    row: TransformRow, drawn: Transform, prefix: str, frames: dict[str, tuple[float, float, float, float]]
+) -> str:
+    halves = []
+    for side, name in (("p", row.name_p), ("q", row.name_q)):
+        parts = tuple(mark for mark in dissection_marks(drawn, side) if type(mark).__name__ == "Part")
+        halves.append(fragment(Scene(name, frames[side], _pen(frames[side], THUMB_PENS), (), parts), prefix))
+    said = f"{row.rank}: {row.name_p} and {row.name_q}, IoU {number(row.iou)}"
+    return f'<a class="thumb" href="#t{row.rank}" title="{escape(said)}">{"".join(halves)}</a>'
+
+
+def _names(row: TransformRow) -> str:
+    sides = ((row.name_p, row.class_p), (row.name_q, row.class_q))
+    said = [
+        f'<span class="name">{escape(name)}</span>' + (f' <span class="class">{escape(kind)}</span>' if kind else "")
+        for name, kind in sides
+    ]
+    return ' <span class="arrow" aria-label="and">⇄</span> '.join(said)
+
+
+def _numbers(row: TransformRow) -> str:
+    def both(p: float, q: float, form: Callable[[float], str] = number) -> str:
+        return f"{form(p)} <i>·</i> {form(q)}"
+
+    return facts(
+        [
+            ("pieces", str(row.n)),
+            ("QCRS", number(row.qcrs)),
+            ("CRS", number(row.crs)),
+            (
+                "edges · angles · area",
+                f"{number(row.s_edge)} <i>·</i> {number(row.s_angle)} <i>·</i> {number(row.s_area)}",
+            ),
+            ("IoU P · Q", both(row.iou_p, row.iou_q)),
+            ("its bound", both(row.bound_p, row.bound_q)),
+            ("Hausdorff / L<sub>c</sub>", both(row.hausdorff_p, row.hausdorff_q)),
+            (
+                "mean distance / L<sub>c</sub>",
+                both(row.mean_distance_p, row.mean_distance_q, lambda value: number(value, 4)),
+            ),
+            ("area residual", small(row.area_residual)),
+            ("hinge residual", small(row.hinge_residual)),
+        ]
+    )
+
+
+def _pen(box: tuple[float, float, float, float], pens: float) -> float:
+    return (box[2] - box[0]) / pens

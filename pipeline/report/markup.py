@@ -1,0 +1,71 @@
+"""Small pieces of HTML, and how numbers look in it. All text is escaped here or by its caller, never trusted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from riot.draw.svg import escape
+
+NOTHING = "–"
+"""Stands for a number that is not there."""
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """A score or length with a fixed number of decimals."""
+    if value is None or not math.isfinite(value):
+        return NOTHING
+    return f"{value:.{digits}f}"
+
+
+def small(value: float | None) -> str:
+    """A residual: its order of magnitude is what matters."""
+    if value is None or not math.isfinite(value):
+        return NOTHING
+    return "0" if value == 0 else f"{value:.0e}".replace("e-0", "e-").replace("e-", "·10<sup>−") + "</sup>"
+
+
+def count(value: float | None) -> str:
+    """A whole number with thin spaces between thousands."""
+    if value is None or not math.isfinite(value):
+        return NOTHING
+    return f"{round(value):,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
+def seconds(value: float | None) -> str:
+    """A time: tenths below a minute, minutes and seconds below an hour, hours and minutes above."""
+    if value is None or not math.isfinite(value):
+        return NOTHING
+    if value < 60:
+        return f"{value:.1f}\N{NARROW NO-BREAK SPACE}s" if value >= 0.05 else "0\N{NARROW NO-BREAK SPACE}s"
+    whole = round(value)
+    if whole < 3600:
+        return f"{whole // 60}\N{NARROW NO-BREAK SPACE}min {whole % 60:02d}\N{NARROW NO-BREAK SPACE}s"
+    return f"{whole // 3600}\N{NARROW NO-BREAK SPACE}h {whole % 3600 // 60:02d}\N{NARROW NO-BREAK SPACE}min"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: Sequence[bool], caption: str) -> str:
+    """A table of heads and cells that already are HTML; numeric columns are flush right. It scrolls if too wide."""
+    kinds = [' class="n"' if flush else "" for flush in numeric]
+    top = "".join(f'<th scope="col"{kind}>{name}</th>' for name, kind in zip(head, kinds, strict=True))
+    body = "".join(
+        "<tr>" + "".join(f"<td{kind}>{cell}</td>" for cell, kind in zip(row, kinds, strict=True)) + "</tr>\n"
+        for row in rows
+    )
+    return (
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(caption)}"><table>'
+        f'<caption class="unseen">{escape(caption)}</caption>'
+        f"<thead><tr>{top}</tr></thead>\n<tbody>{body}</tbody></table></div>"
+    )
+
+
+def facts(pairs: Iterable[tuple[str, str]]) -> str:
+    """A list of named values; both already are HTML."""
+    cells = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in pairs)
+    return f'<dl class="facts">{cells}</dl>'
+
+
+def section(anchor: str, title: str, body: str, note: str = "") -> str:
+    """A section of the page; ``title`` and ``note`` are text, ``body`` is HTML."""
+    under = f'<p class="note">{escape(note)}</p>' if note else ""
+    return f'<section id="{anchor}"><h2>{escape(title)}</h2>{under}{body}</section>\n'

@@ -1,0 +1,236 @@
+"""The report as a page: sections in the order of the method, then the gallery."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from pipeline.report.card import Card
+from pipeline.report.histogram import figure
+from pipeline.report.markup import NOTHING, count, number, seconds, section, table
+from pipeline.report.rows import Run, TransformRow
+from pipeline.report.style import style_sheet
+from riot.draw.svg import escape
+
+SHOWN_ERRORS = 200
+"""The page shows no more rows of errors; the table has them all."""
+
+SHOWN_PAIRS = 20
+"""Rows of best pairs in sight; the others can be unfolded."""
+
+ICON = (
+    "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
+    "%3Cpath d='M1 15L8 1v14z' fill='%234683c5'/%3E%3Cpath d='M15 15L8 1v14z' fill='%23e9c266'/%3E%3C/svg%3E"
+)
+
+
+def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str]]) -> str:
+    """The whole HTML text; ``lost`` are transforms whose file could not be read, with the reason."""
+    name = dataset_name(run)
+    pieces = "".join(dict.fromkeys(one.definitions for one in cards))
+    return (
+        "<!DOCTYPE html>\n"
+        '<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<title>{escape(name)} · reversible transforms</title><link rel="icon" href="{ICON}">\n'
+        f"<style>{style_sheet()}</style></head>\n<body>\n"
+        f'<svg width="0" height="0" style="position:absolute" aria-hidden="true">{pieces}</svg>\n'
+        f"{_top(run, name)}<main>\n{_gallery(run, cards)}{_best(run)}{_scores(run)}{_timings(run)}"
+        f"{_rejected(run, lost)}{_errors(run)}{_settings(run)}</main>\n"
+        "<footer>Written from the tables beside this page; it needs no network and no script.</footer>\n"
+        "</body></html>\n"
+    )
+
+
+def dataset_name(run: Run) -> str:
+    """The name of the run's collection."""
+    dataset = run.facts.get("dataset", run.folder.name)
+    if isinstance(dataset, Mapping):
+        dataset = dataset.get("name", run.folder.name)
+    return str(dataset)
+
+
+def _top(run: Run, name: str) -> str:
+    certified = run.certified
+    best = f"{number(certified[0].iou)}" if certified else NOTHING
+    took = sum(float(row["seconds"] or 0.0) for row in run.timings)
+    tiles = [
+        ("shapes", count(run.shapes)),
+        ("classes", count(run.classes)),
+        ("pairs scored", count(run.pairs)),
+        ("pairs selected", count(run.selected)),
+        ("exact transforms", count(len(certified))),
+        ("rejected", count(len(run.rejected))),
+        ("errors", count(len(run.errors))),
+        ("best IoU", best),
+        ("time of this run", seconds(took)),
+    ]
+    links = [
+        ("gallery", "Gallery"), ("best", "Best pairs"), ("scores", "Scores"), ("time", "Time"),
+        ("rejected", "Rejected"), ("errors", "Errors"), ("settings", "Settings"),
+    ]  # fmt: skip
+    contents = "".join(f'<a href="#{anchor}">{title}</a>' for anchor, title in links)
+    cells = "".join(f"<div><dt>{escape(what)}</dt><dd>{value}</dd></div>" for what, value in tiles)
+    return (
+        '<header class="top"><p class="kicker">Reversible transforms</p>'
+        f"<h1>{escape(name)}</h1>"
+        '<p class="lead">Pairs of silhouettes that are the same chain of hinged pieces, folded one way and the other. '
+        "A piece keeps its colour in every picture of its transform.</p>"
+        f'<nav aria-label="Sections">{contents}</nav>'
+        f'<dl class="tiles">{cells}</dl></header>\n'
+    )
+
+
+def _gallery(run: Run, cards: Sequence[Card]) -> str:
+    if not cards:
+        return section("gallery", "Gallery", '<p class="empty">No transform was constructed.</p>')
+    thumbs = "".join(one.thumb for one in cards)
+    note = (
+        "Least deformed first. IoU compares what the pieces make with the input, of the worse of the two shapes; "
+        "its bound is what no exact construction on these trunks can pass."
+    )
+    body = f'<div class="thumbs">{thumbs}</div>\n{"".join(one.body for one in cards)}'
+    return section("gallery", "Gallery", body, note)
+
+
+def _best(run: Run) -> str:
+    if not run.certified:
+        return section("best", "Best pairs", '<p class="empty">There are none.</p>')
+    head = ("", "pair", "n", "IoU", "IoU P", "IoU Q", "CRS", "QCRS", "Hausdorff / L<sub>c</sub>")
+    numeric = (True, False, *(True,) * 7)
+
+    def cells(row: TransformRow) -> list[str]:
+        far = max(row.hausdorff_p, row.hausdorff_q)
+        names = f'<a href="#t{row.rank}">{escape(row.name_p)} ⇄ {escape(row.name_q)}</a>'
+        values = (row.iou, row.iou_p, row.iou_q, row.crs, row.qcrs, far)
+        return [str(row.rank), names, str(row.n), *(number(value) for value in values)]
+
+    rows = [cells(row) for row in run.certified]
+    body = table(head, rows[:SHOWN_PAIRS], numeric, "The least deformed transforms")
+    if len(rows) > SHOWN_PAIRS:
+        rest = table(head, rows[SHOWN_PAIRS:], numeric, "The other transforms")
+        body += f"<details><summary>the other {len(rows) - SHOWN_PAIRS}</summary>{rest}</details>"
+    return section("best", "Best pairs", f'<div class="sheet">{body}</div>')
+
+
+def _scores(run: Run) -> str:
+    plots = (
+        figure(run.s_r, "Reversibility score S_r", "shapes")
+        + figure(run.qcrs, "QCRS, all pairs", "pairs", logarithmic=True)
+        + figure(run.crs, "CRS, selected pairs", "pairs")
+        + figure(run.iou, "IoU of the worse shape", "transforms")
+    )
+    note = ""
+    if run.pairs_without_trunks:
+        note = f"{count(run.pairs_without_trunks)} pairs have no two trunks of one size; their QCRS is 0."
+    return section("scores", "Scores", f'<div class="plots">{plots}</div>', note)
+
+
+def _timings(run: Run) -> str:
+    longest = max((float(row["seconds"] or 0.0) for row in run.timings), default=0.0)
+    head = (
+        "stage",
+        "items",
+        "cached",
+        "computed",
+        "failed",
+        "time",
+        "",
+        "processor time",
+        "when first computed",
+        "memory",
+    )
+    rows = []
+    for row in run.timings:
+        share = 100.0 * float(row["seconds"] or 0.0) / longest if longest else 0.0
+        memory = row.get("peak_mb")
+        rows.append(
+            [
+                escape(str(row["stage"])),
+                *(count(row[name]) for name in ("items", "cached", "computed", "failed")),
+                seconds(row["seconds"]),
+                f'<span class="share"><i style="width:{share:.1f}%"></i></span>',
+                seconds(row.get("cpu_seconds")),
+                seconds(row.get("stored_seconds")),
+                f"{count(memory)} MiB" if memory else NOTHING,
+            ]
+        )
+    numeric = (False, True, True, True, True, True, False, True, True, True)
+    note = "Items are work items: batches of shapes, blocks of pairs, or single pairs. What is cached costs no time."
+    return section("time", "Time", f'<div class="sheet">{table(head, rows, numeric, "Stages")}</div>', note)
+
+
+def _rejected(run: Run, lost: Sequence[tuple[TransformRow, str]]) -> str:
+    rows = [(row, row.reason, row.message) for row in run.rejected]
+    rows += [(row, "unreadable", message) for row, message in lost]
+    if not rows:
+        return section("rejected", "Rejected", '<p class="empty">No construction was rejected.</p>')
+    cells = (
+        [
+            f"{escape(row.name_p)} ⇄ {escape(row.name_q)}",
+            escape(reason),
+            f'<div class="long">{escape(message)}</div>',
+            number(row.qcrs),
+            number(row.crs),
+        ]
+        for row, reason, message in rows
+    )
+    head = ("pair", "reason", "in words", "QCRS", "CRS")
+    body = table(head, cells, (False, False, False, True, True), "Rejected constructions")
+    note = "Pairs that were selected and did not become an exact transform."
+    return section("rejected", "Rejected", f'<div class="sheet">{body}</div>', note)
+
+
+def _errors(run: Run) -> str:
+    if not run.errors:
+        return section("errors", "Errors", '<p class="empty">There were none.</p>')
+    cells = (
+        [
+            f'<div class="long">{escape(str(row["item"]))}</div>',
+            escape(str(row["stage"])),
+            escape(str(row.get("reason") or row["type"])),
+            f'<div class="long">{escape(str(row["message"]))}</div>',
+            count(row["attempts"]),
+        ]
+        for row in run.errors[:SHOWN_ERRORS]
+    )
+    head = ("item", "stage", "reason", "in words", "attempts")
+    body = table(head, cells, (False, False, False, False, True), "Errors")
+    more = len(run.errors) - SHOWN_ERRORS
+    note = f"The first {SHOWN_ERRORS}; {count(more)} more are in errors.parquet." if more > 0 else ""
+    return section("errors", "Errors", f'<div class="sheet">{body}</div>', note)
+
+
+def _settings(run: Run) -> str:
+    """Everything that `run.json` says, folded: one group for each of its mappings, one for its plain values."""
+    plain = {name: value for name, value in run.facts.items() if not isinstance(value, Mapping)}
+    groups = ({"run": plain} if plain else {}) | {
+        name: value for name, value in run.facts.items() if isinstance(value, Mapping)
+    }
+    body = "".join(
+        f"<details><summary>{escape(_words(name))}</summary>{_tree(name, values)}</details>"
+        for name, values in groups.items()
+    )
+    return section(
+        "settings", "Settings", f'<div class="sheet">{body}</div>', "What the run was told, and what it ran on."
+    )
+
+
+def _tree(name: str, values: Mapping[str, Any]) -> str:
+    rows = ([escape(path), escape(value)] for path, value in _leaves(values))
+    return f'<div class="tree">{table(("name", "value"), rows, (False, False), _words(name))}</div>'
+
+
+def _leaves(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]:
+    for name, value in values.items():
+        path = f"{before}{name}"
+        if isinstance(value, Mapping):
+            yield from _leaves(value, f"{path}.")
+        elif isinstance(value, list | tuple):
+            yield path, ", ".join(str(one) for one in value) or NOTHING
+        else:
+            yield path, NOTHING if value is None else str(value)
+
+
+def _words(name: str) -> str:
+    return str(name).replace("_", " ")
