@@ -10,7 +10,7 @@ from pipeline.report.rows import TransformRow
 from riot.draw.animate import swing_of
 from riot.draw.course import quiet_hinge
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
-from riot.draw.scene import Mark, Scene, around, extent
+from riot.draw.scene import Box, Mark, Part, Scene, around, extent
 from riot.draw.svg import definitions, escape, fragment, naming
 from riot.transform import Transform
 
@@ -19,6 +19,14 @@ PANEL_PENS, CHAIN_PENS, THUMB_PENS = 210.0, 420.0, 96.0
 
 MARGIN = 0.06
 """Around the marks, in units of the shape."""
+
+
+VIEWS: tuple[tuple[Callable[[Transform, str], list[Mark]], str], ...] = (
+    (input_marks, "{} and its trunk"),
+    (deformation_marks, "result over input"),
+    (dissection_marks, "dissection"),
+)
+"""The pictures of each side, and their captions."""
 
 
 @dataclass(frozen=True)
@@ -34,19 +42,19 @@ def card(row: TransformRow, transform: Transform) -> Card:
     """The card of a row of `transforms` and its ``.riot`` file."""
     drawn = sketch(transform)
     prefix = naming(drawn.pieces)
-    views: list[tuple[Callable[[Transform, str], list[Mark]], str]] = [
-        (input_marks, "input and trunk"),
-        (deformation_marks, "what the pieces make, over the input"),
-        (dissection_marks, "dissection"),
-    ]
-    marks = {(side, words): view(drawn, side) for side in ("p", "q") for view, words in views}
+    sides = (("p", row.name_p), ("q", row.name_q))
+    marks = {side: [view(drawn, side) for view, _ in VIEWS] for side, _ in sides}
     frames = _frames(drawn, marks)
     figures = "".join(
         _figure(
-            Scene(f"{name}: {words}", frames[side], _pen(frames[side], PANEL_PENS), (), tuple(found)), prefix, words
+            Scene(
+                f"{name}: {words.format(side.upper())}", frames[side], _pen(frames[side], PANEL_PENS), (), tuple(found)
+            ),
+            prefix,
+            words.format(side.upper()),
         )
-        for (side, words), found in marks.items()
-        for name in [row.name_p if side == "p" else row.name_q]
+        for side, name in sides
+        for (_, words), found in zip(VIEWS, marks[side], strict=True)
     )
     hinge = quiet_hinge(transform)
     chain = tuple(chain_marks(drawn, hinge))
@@ -68,12 +76,9 @@ def card(row: TransformRow, transform: Transform) -> Card:
     return Card(definitions(drawn.pieces, prefix), body, _thumb(row, drawn, prefix, frames))
 
 
-def _frames(drawn: Transform, marks: dict[tuple[str, str], list[Mark]]) -> dict[str, tuple[float, float, float, float]]:
+def _frames(drawn: Transform, marks: dict[str, list[list[Mark]]]) -> dict[str, Box]:
     """A box for each side's pictures; both of one size, so that both shapes are seen at one scale."""
-    boxes = {
-        side: around((extent(found, drawn.pieces) for (of, _), found in marks.items() if of == side), MARGIN)
-        for side in ("p", "q")
-    }
+    boxes = {side: around([extent(found, drawn.pieces) for found in views], MARGIN) for side, views in marks.items()}
     wide = max(x1 - x0 for x0, _, x1, _ in boxes.values()) / 2
     high = max(y1 - y0 for _, y0, _, y1 in boxes.values()) / 2
     middles = {side: ((x0 + x1) / 2, (y0 + y1) / 2) for side, (x0, y0, x1, y1) in boxes.items()}
@@ -84,12 +89,10 @@ def _figure(scene: Scene, prefix: str, caption: str, kind: str = "") -> str:
     return f"<figure>{fragment(scene, prefix, kind=kind)}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _thumb(
-    row: TransformRow, drawn: Transform, prefix: str, frames: dict[str, tuple[float, float, float, float]]
-) -> str:
+def _thumb(row: TransformRow, drawn: Transform, prefix: str, frames: dict[str, Box]) -> str:
     halves = []
     for side, name in (("p", row.name_p), ("q", row.name_q)):
-        parts = tuple(mark for mark in dissection_marks(drawn, side) if type(mark).__name__ == "Part")
+        parts = tuple(mark for mark in dissection_marks(drawn, side) if isinstance(mark, Part))
         halves.append(fragment(Scene(name, frames[side], _pen(frames[side], THUMB_PENS), (), parts), prefix))
     said = f"{row.rank}: {row.name_p} and {row.name_q}, IoU {number(row.iou)}"
     return f'<a class="thumb" href="#t{row.rank}" title="{escape(said)}">{"".join(halves)}</a>'
@@ -130,5 +133,5 @@ def _numbers(row: TransformRow) -> str:
     )
 
 
-def _pen(box: tuple[float, float, float, float], pens: float) -> float:
+def _pen(box: Box, pens: float) -> float:
     return (box[2] - box[0]) / pens

@@ -19,7 +19,7 @@ BARS = 50
 WIDTH, HEIGHT = 460, 170
 """Of the drawing, in its own units."""
 
-LEFT, BELOW, ABOVE = 46, 22, 8
+LEFT, RIGHT, BELOW, ABOVE = 46, 14, 22, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def figure(found: Distribution, title: str, unit: str, logarithmic: bool = False
     """
     if not found.total:
         return f'<figure class="plot"><figcaption><b>{escape(title)}</b> no values</figcaption></figure>'
-    marks = (("median", 0.5), ("90 %", 0.9), ("99 %", 0.99))
+    marks = (("median", 0.5), ("90\N{NARROW NO-BREAK SPACE}%", 0.9), ("99\N{NARROW NO-BREAK SPACE}%", 0.99))
     quantiles = ", ".join(f"{name} {number(found.quantile(share))}" for name, share in marks)
     summary = f"{count(found.total)} {unit}; {quantiles}, greatest {number(found.greatest)}"
     scale = " (logarithmic)" if logarithmic else ""
@@ -82,7 +82,7 @@ def _bars(found: Distribution, unit: str, logarithmic: bool) -> str:
     tall = np.log10(per_bar + 1.0) if logarithmic else per_bar.astype(np.float64)
     ticks = _ticks(int(per_bar.max()), logarithmic)
     top = max(float(tall.max()), max(where for where, _ in ticks))
-    wide, high = WIDTH - LEFT - 6, HEIGHT - BELOW - ABOVE
+    wide, high = WIDTH - LEFT - RIGHT, HEIGHT - BELOW - ABOVE
     base = ABOVE + high
     parts = []
     for where, name in ticks:

@@ -55,8 +55,7 @@ def _top(run: Run, name: str) -> str:
     best = f"{number(certified[0].iou)}" if certified else NOTHING
     took = sum(float(row["seconds"] or 0.0) for row in run.timings)
     tiles = [
-        ("shapes", count(run.shapes)),
-        ("classes", count(run.classes)),
+        (f"shapes in {count(run.classes)} classes" if run.classes else "shapes", count(run.shapes)),
         ("pairs scored", count(run.pairs)),
         ("pairs selected", count(run.selected)),
         ("exact transforms", count(len(certified))),
@@ -115,14 +114,14 @@ def _best(run: Run) -> str:
 
 def _scores(run: Run) -> str:
     plots = (
-        figure(run.s_r, "Reversibility score S_r", "shapes")
+        figure(run.s_r, "Reversibility score", "shapes")
         + figure(run.qcrs, "QCRS, all pairs", "pairs", logarithmic=True)
         + figure(run.crs, "CRS, selected pairs", "pairs")
         + figure(run.iou, "IoU of the worse shape", "transforms")
     )
     note = ""
     if run.pairs_without_trunks:
-        note = f"{count(run.pairs_without_trunks)} pairs have no two trunks of one size; their QCRS is 0."
+        note = f"Pairs that have no two trunks of one size, so that their QCRS is 0: {count(run.pairs_without_trunks)}."
     return section("scores", "Scores", f'<div class="plots">{plots}</div>', note)
 
 

@@ -11,8 +11,7 @@ _DARK = "--page:#131519;--line:#30343b;--bar:#7d8490;--link:#84b4e6;--warm:#e08a
 
 _RULES = """
 *{box-sizing:border-box}
-html{color-scheme:light dark;scroll-behavior:smooth;-webkit-text-size-adjust:100%}
-@media (prefers-reduced-motion:reduce){html{scroll-behavior:auto}}
+html{color-scheme:light dark;-webkit-text-size-adjust:100%}
 body{margin:0;background:var(--page);color:var(--r-ink);font:16px/1.55 ui-sans-serif,system-ui,'Segoe UI',
 'Helvetica Neue',Arial,sans-serif;font-variant-numeric:tabular-nums}
 main,.top,footer{max-width:1180px;margin:0 auto;padding:0 28px}
@@ -29,7 +28,7 @@ section{margin:64px 0 0}
 a{color:var(--link);text-underline-offset:.15em;text-decoration-thickness:.06em}
 a:focus-visible,.scroll:focus-visible,summary:focus-visible{outline:2px solid var(--link);outline-offset:2px}
 nav{display:flex;flex-wrap:wrap;gap:.3rem 1.3rem;margin-top:1.6rem;font-size:.95rem}
-.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(136px,1fr));gap:12px;margin:36px 0 0;padding:0}
+.tiles{display:grid;grid-template-columns:repeat(4,minmax(0,1fr));gap:12px;margin:36px 0 0;padding:0}
 .tiles div{background:var(--r-paper);border-radius:12px;padding:16px 18px}
 .tiles dt{color:var(--r-muted);font-size:.85rem}
 .tiles dd{margin:0;font-size:1.55rem;line-height:1.25;font-family:'Iowan Old Style','Palatino Linotype',Palatino,
@@ -50,7 +49,7 @@ td{overflow-wrap:break-word}
 .plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));gap:16px}
 .plot{margin:0;background:var(--r-paper);border-radius:14px;padding:18px}
 .plot svg{display:block;width:100%;height:auto}
-.plot figcaption{margin-top:.6rem;font-size:.9rem;color:var(--r-muted)}
+.plot figcaption{text-align:left;margin-top:.6rem;font-size:.9rem;color:var(--r-muted)}
 .plot b{color:var(--r-ink);font-weight:600;margin-right:.4em}
 .plot text{font-size:10.5px;fill:var(--r-muted)}
 .plot .grid{stroke:var(--line);stroke-width:1;fill:none}
@@ -78,9 +77,10 @@ content-visibility:auto;contain-intrinsic-size:auto 640px;scroll-margin-top:16px
 .swing{max-height:280px}
 .chain{max-height:190px}
 figcaption{text-align:center;font-size:.8rem;line-height:1.35;color:var(--r-muted);margin-top:.35rem}
-.facts{display:flex;flex-wrap:wrap;gap:.7rem 1.7rem;margin:18px 0 0;padding-top:14px;border-top:1px solid var(--line)}
+.facts{display:grid;grid-template-columns:repeat(5,auto);gap:.7rem 1.4rem;margin:18px 0 0;padding-top:14px;
+border-top:1px solid var(--line)}
 .facts dt{font-size:.78rem;color:var(--r-muted)}
-.facts dd{margin:0;font-size:.95rem}
+.facts dd{margin:0;white-space:nowrap;font-size:.95rem}
 .facts i{font-style:normal;color:var(--r-muted)}
 sup{font-size:.7em;line-height:0}
 details{margin-top:12px}
@@ -89,7 +89,8 @@ summary{cursor:pointer;padding:.3rem 0;color:var(--link)}
 .tree td{overflow-wrap:anywhere}
 .empty{color:var(--r-muted);font-style:italic}
 footer{padding-top:56px;padding-bottom:64px;color:var(--r-muted);font-size:.88rem}
-@media (max-width:860px){.pictures{grid-template-columns:minmax(0,1fr)}}
+@media (max-width:860px){.pictures{grid-template-columns:minmax(0,1fr)}
+.facts{grid-template-columns:repeat(auto-fill,minmax(145px,1fr))}}
 @media (max-width:560px){
 main,.top,footer{padding-left:14px;padding-right:14px}
 .top{padding-top:32px}

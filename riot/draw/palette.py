@@ -14,12 +14,26 @@ Neighbours differ in lightness as well as in hue, so that they stay apart in gre
 """
 
 LIGHT: Mapping[str, str] = MappingProxyType(
-    {"paper": "#ffffff", "ink": "#23262b", "muted": "#6b7078", "shade": "#dcdad4", "seam": "#ffffff"}
+    {
+        "paper": "#ffffff",
+        "ink": "#23262b",
+        "muted": "#6b7078",
+        "shade": "#dcdad4",
+        "seam": "#ffffff",
+        "casing": "#ffffff",
+    }
 )
 """Named colours on a light page."""
 
 DARK: Mapping[str, str] = MappingProxyType(
-    {"paper": "#1d2025", "ink": "#eceae5", "muted": "#9aa0aa", "shade": "#4a4e56", "seam": "#1d2025"}
+    {
+        "paper": "#1d2025",
+        "ink": "#eceae5",
+        "muted": "#9aa0aa",
+        "shade": "#4a4e56",
+        "seam": "#1d2025",
+        "casing": "#eceae5",
+    }
 )
 """The same names on a dark page; the pieces keep their colours."""
 
@@ -39,7 +53,7 @@ PENS: Mapping[str, Pen] = MappingProxyType(
     {
         "silhouette": Pen(fill="shade"),
         "outline": Pen(stroke="ink", width=1.5),
-        "casing": Pen(stroke="paper", width=5.0),
+        "casing": Pen(stroke="casing", width=5.0),
         "seam": Pen(stroke="seam", width=1.1, opacity=0.8, dash=(3.0, 2.5)),
         "hinge": Pen(fill="ink", stroke="paper", width=1.0),
         "open": Pen(fill="paper", stroke="ink", width=1.2),

@@ -114,9 +114,9 @@ def place(x: float, y: float) -> str:
 
 def page_style() -> str:
     """Rules for all fragments of a page: colours are variables ``--r-…``, widths are pixels whatever the scale."""
-    rules = [".riot path,.riot circle{vector-effect:non-scaling-stroke}"]
-    rules += [_rule(name, pen, 1.0, lambda token: f"var(--r-{token})") for name, pen in PENS.items()]
-    return "".join(rules)
+    # One rule a pen, without ancestors: selectors do not see beyond the shadow tree in which <use> shows a piece.
+    rules = (_rule(name, pen, 1.0, lambda token: f"var(--r-{token})") for name, pen in PENS.items())
+    return "".join(rule.replace("}", ";vector-effect:non-scaling-stroke}") for rule in rules)
 
 
 def page_colours(scheme: Mapping[str, str]) -> str:
