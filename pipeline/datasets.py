@@ -135,20 +135,20 @@ def _root(given: str | None, kind: str) -> Path:
     return Path(given) if given is not None else default_root(kind)
 
 
-def _mpeg7(name: str, root: Path) -> Collection:
-    get = "`python -m pipeline.fetch mpeg7` gets it, or give dataset.root=DIR"
+def _mpeg7(name: str, root: Path, option: str = "root") -> Collection:
+    get = f"`python -m pipeline.fetch mpeg7` gets it, or give dataset.{option}=DIR"
     found = _listed(name, root, get)
     # The archive keeps all pictures in one folder, whose name is no class.
     items = [replace(item, cls=_class_of_stem(item.name.rpartition("/")[2])) for item in found.items]
     return replace(found, items=tuple(items))
 
 
-def _animals(name: str, root: Path) -> Collection:
+def _animals(name: str, root: Path, option: str = "root") -> Collection:
     return _listed(
         name,
         root,
-        "this data set (Bai, Liu, Tu 2009: 2,000 pictures) has no public address; give dataset.root=DIR, "
-        "a folder with 20 sub-folders, one a class, of 100 pictures each",
+        "this data set (Bai, Liu, Tu 2009: 2,000 pictures) has no public address; "
+        f"give dataset.{option}=DIR, a folder with 20 sub-folders, one a class, of 100 pictures each",
     )
 
 
@@ -158,10 +158,9 @@ def _paper(config: DatasetConfig) -> Collection:
     The paper counts 81 classes among the two sets' 70 and 20.
     """
     parent = Path(config.root) if config.root is not None else default_root("paper").parent
-    parts = [
-        ("mpeg7", _mpeg7("mpeg7", Path(config.mpeg7) if config.mpeg7 is not None else parent / "mpeg7")),
-        ("animals", _animals("animals", Path(config.animals) if config.animals is not None else parent / "animals")),
-    ]
+    mpeg7 = Path(config.mpeg7) if config.mpeg7 is not None else parent / "mpeg7"
+    animals = Path(config.animals) if config.animals is not None else parent / "animals"
+    parts = [("mpeg7", _mpeg7("mpeg7", mpeg7, "mpeg7")), ("animals", _animals("animals", animals, "animals"))]
     items = [
         replace(item, name=f"{prefix}/{item.name}", cls=item.cls.casefold())
         for prefix, part in parts
@@ -218,7 +217,7 @@ def _pictures(root: Path, get: str) -> tuple[list[Path], list[Rejected], int]:
             if file.startswith(".") or path.suffix.lower() not in PICTURES:
                 ignored += 1
             elif path.is_symlink() and not path.resolve().is_relative_to(real):
-                name = _normal(path.relative_to(root).as_posix())
+                name = _without_suffix(_normal(path.relative_to(root).as_posix()), path)
                 message = f"{path}: a link that leads out of the data set; copy the picture"
                 rejected.append(Rejected(name, str(path), "outside", message))
             elif path.is_file():

@@ -1,0 +1,183 @@
+"""Fetching from an archive served on the loopback interface: checked, complete or nothing."""
+
+from __future__ import annotations
+
+import io
+import threading
+import zipfile
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from pipeline import fetch
+from pipeline.datasets import DatasetConfig, DatasetError, collect
+
+NAMES = ("Bone-1", "apple-1", "apple-2")
+
+
+class Server:
+    """Serves a folder and counts the requests."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.requests: list[str] = []
+        requests = self.requests
+
+        class Handler(SimpleHTTPRequestHandler):
+            def log_message(self, *_: object) -> None:
+                requests.append(self.path)
+
+        self.http = ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=str(folder)))
+        self.thread = threading.Thread(target=self.http.serve_forever, daemon=True)
+        self.thread.start()
+
+    def url(self, name: str) -> str:
+        return f"http://127.0.0.1:{self.http.server_address[1]}/{name}"
+
+    def close(self) -> None:
+        self.http.shutdown()
+        self.http.server_close()
+        self.thread.join()
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[Server]:
+    (tmp_path / "www").mkdir()
+    running = Server(tmp_path / "www")
+    yield running
+    running.close()
+
+
+def pixels(number: int) -> np.ndarray:
+    rows, columns = np.mgrid[:40, :50]
+    return ((columns - 25) ** 2 + (rows - 20) ** 2 <= (10 + number) ** 2).astype(np.uint8)
+
+
+def encoded(values: np.ndarray, form: str) -> bytes:
+    stream = io.BytesIO()
+    Image.fromarray(values * 255).save(stream, form)
+    return stream.getvalue()
+
+
+@pytest.fixture
+def manifest(tmp_path: Path) -> Path:
+    folder = tmp_path / "originals"
+    folder.mkdir()
+    for number, name in enumerate(NAMES):
+        (folder / f"{name}.png").write_bytes(encoded(pixels(number), "PNG"))
+    assert fetch.write_manifest(folder, tmp_path / "manifest.csv") == 3
+    return tmp_path / "manifest.csv"
+
+
+def pack(server: Server, members: dict[str, bytes], name: str = "set.zip") -> str:
+    with zipfile.ZipFile(server.folder / name, "w") as archive:
+        for member, data in members.items():
+            archive.writestr(member, data)
+    return server.url(name)
+
+
+def good() -> dict[str, bytes]:
+    """The same pictures in another format, letter case and folder, with bystanders."""
+    members = {f"original/{name.upper()}.GIF": encoded(pixels(n), "GIF") for n, name in enumerate(NAMES)}
+    return members | {"original/readme.txt": b"hello", "__MACOSX/._apple-1.png": b"", "extra-1.gif": b"not listed"}
+
+
+def nothing_left(folder: Path) -> bool:
+    return not folder.exists() and not [path for path in folder.parent.iterdir() if path.name.startswith(".")]
+
+
+def test_fetch_and_mine(server: Server, manifest: Path, tmp_path: Path) -> None:
+    url = pack(server, good())
+    target = tmp_path / "cache" / "mpeg7"
+    assert fetch.fetch(target, [url], manifest)
+    assert sorted(path.name for path in target.iterdir()) == ["Bone-1.gif", "apple-1.gif", "apple-2.gif"]
+    assert [item.cls for item in collect(DatasetConfig("m", "mpeg7", root=str(target))).items] == [
+        "Bone", "apple", "apple"
+    ]  # fmt: skip
+    asked = len(server.requests)
+    assert asked > 0
+    assert not fetch.fetch(target, [url], manifest)
+    assert len(server.requests) == asked  # the second time nothing is downloaded
+
+
+def test_next_address_is_tried(server: Server, manifest: Path, tmp_path: Path) -> None:
+    url = pack(server, good())
+    assert fetch.fetch(tmp_path / "set", [server.url("absent.zip"), url], manifest)
+    assert "/absent.zip" in server.requests
+
+
+@pytest.mark.parametrize("fault", ["altered", "missing", "no picture", "other size"])
+def test_wrong_pictures_are_named_and_nothing_is_kept(
+    server: Server, manifest: Path, tmp_path: Path, fault: str
+) -> None:
+    members = good()
+    name = "original/APPLE-2.GIF"
+    changed = pixels(2)
+    changed[0, 0] = 1
+    if fault == "missing":
+        del members[name]
+    elif fault == "no picture":
+        members[name] = b"GIF89a"
+    else:
+        members[name] = encoded(changed if fault == "altered" else pixels(2)[:-1], "GIF")
+    target = tmp_path / "cache" / "set"
+    with pytest.raises(DatasetError, match=r"apple-2 is .*nothing was kept") as caught:
+        fetch.fetch(target, [pack(server, members)], manifest)
+    assert "apple-1" not in str(caught.value)
+    assert nothing_left(target)
+
+
+def test_archive_cannot_write_elsewhere(server: Server, manifest: Path, tmp_path: Path) -> None:
+    members = {f"../../{name}.gif": encoded(pixels(n), "GIF") for n, name in enumerate(NAMES)}
+    members["../../evil.gif"] = b"evil"
+    assert fetch.fetch(tmp_path / "deep" / "er" / "set", [pack(server, members)], manifest)
+    assert not list(tmp_path.rglob("evil*"))
+    assert not [path for path in tmp_path.rglob("*.gif") if path.parent.name != "set"]
+
+
+def test_damaged_archive_and_no_answer(server: Server, manifest: Path, tmp_path: Path) -> None:
+    url = pack(server, good())
+    whole = (server.folder / "set.zip").read_bytes()
+    (server.folder / "set.zip").write_bytes(whole[:-40])
+    target = tmp_path / "cache" / "set"
+    with pytest.raises(DatasetError, match="unpacked"):
+        fetch.fetch(target, [url], manifest)
+    assert nothing_left(target)
+    (server.folder / "set.zip").write_bytes(whole.replace(b"GIF89a", b"GIF89b").replace(b"GIF87a", b"GIF87b"))
+    with pytest.raises(DatasetError):
+        fetch.fetch(target, [url], manifest)
+    with pytest.raises(DatasetError, match=r"no address.*dataset\.root"):
+        fetch.fetch(target, [server.url("absent.zip"), "http://127.0.0.1:9/x.zip"], manifest, timeout=2.0)
+    assert nothing_left(target)
+
+
+def test_a_users_folder_is_left_alone(server: Server, manifest: Path, tmp_path: Path) -> None:
+    target = tmp_path / "mine"
+    target.mkdir()
+    (target / "letter.txt").write_text("mine")
+    with pytest.raises(DatasetError, match="remove or rename"):
+        fetch.fetch(target, [pack(server, good())], manifest)
+    assert [path.name for path in target.iterdir()] == ["letter.txt"]
+    assert server.requests == []
+
+
+def test_command(server: Server, manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    # The project's own manifest wants 1,400 pictures; these three are none of them, or altered.
+    assert fetch.main(["mpeg7", "--to", str(tmp_path / "set"), "--from", pack(server, good())]) == 2
+    assert "is missing" in capsys.readouterr().err
+    listing = tmp_path / "list.csv"
+    assert fetch.main(["manifest", str(tmp_path / "originals"), "--to", str(listing)]) == 0
+    assert listing.read_bytes() == manifest.read_bytes()
+    assert fetch.main(["manifest", str(tmp_path / "absent")]) == 2
+
+
+def test_the_manifest_of_mpeg7() -> None:
+    entries = fetch.read_manifest(fetch.MPEG7_MANIFEST)
+    assert len({entry.name.casefold() for entry in entries}) == len(entries) == 1400
+    assert len({entry.name.rpartition("-")[0] for entry in entries}) == 70
+    assert all(len(entry.sha256) == 64 and entry.width > 0 and entry.height > 0 for entry in entries)
