@@ -1,7 +1,7 @@
 """Batches: work items of a few dozen shapes, cut by content so that a growing collection keeps most of them.
 
 The items stand in canonical order (by name). A batch ends after an item whose digest falls in a fixed residue class,
-once it has its least size, and at the latest at its greatest size: a new item changes its own batch and seldom the next.
+once it has its least size, and at the latest at its greatest: a new item changes its own batch and seldom the next.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 
 def cut(digests: Sequence[str], mean: int) -> list[range]:
-    """Ranges of positions that cover ``digests`` in order; each holds about ``mean`` items, ``mean/4`` to ``2·mean``."""
+    """Ranges of positions that cover ``digests`` in order, of about ``mean`` items each, from mean/4 to 2·mean."""
     if mean < 1:
         raise ValueError(f"mean batch size {mean}: give 1 or more")
     least, greatest = max(1, mean // 4), 2 * mean

@@ -43,9 +43,7 @@ def library_versions(module: str, root: Path = ROOT, packages: tuple[str, ...] =
     }
 
 
-def closure(
-    module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES
-) -> tuple[list[str], list[str]]:
+def closure(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> tuple[list[str], list[str]]:
     """Project modules, and top-level names of other packages, that ``module`` imports directly or not (sorted).
 
     Raises ModuleNotFoundError when ``module`` itself is not in the project.
@@ -88,13 +86,11 @@ def _feed(node: object, state: hashlib._Hash) -> None:
         for name, value in ast.iter_fields(node):
             if name in ("type_comment", "kind", "type_ignores"):
                 continue
-            if name == "body" and isinstance(
-                node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
-            ):
+            if name == "body" and isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 value = _without_docstring(value)
-            if value is None or value == []:
-                if not (isinstance(node, ast.Constant) and name == "value"):
-                    continue
+            absent = value is None or value == []
+            if absent and not (isinstance(node, ast.Constant) and name == "value"):
+                continue
             state.update(b"," + name.encode() + b"=")
             _feed(value, state)
         state.update(b")")

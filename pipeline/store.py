@@ -116,13 +116,13 @@ class Store:
 
     def entries(self, stage: str | None = None) -> Iterator[Entry]:
         """All committed artifacts whose manifests can be read, in order of stage and key."""
-        for name, key in self.keys(stage):
+        for name, key in self.folders(stage):
             with contextlib.suppress(PayloadError):
                 entry = self.entry(name, key)
                 if entry is not None:
                     yield entry
 
-    def keys(self, stage: str | None = None) -> Iterator[tuple[str, str]]:
+    def folders(self, stage: str | None = None) -> Iterator[tuple[str, str]]:
         """(stage, key) of every artifact folder, committed or not, sorted."""
         if not self.root.is_dir():
             return

@@ -1,0 +1,156 @@
+"""Clusters: where tasks run. One function opens any of them; all three write the same bytes."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+from collections import deque
+from collections.abc import Iterator, Sequence
+from typing import Any, Protocol
+
+from pipeline.config import ClusterConfig
+from pipeline.errors import StartError
+from pipeline.perform import Failure, Receipt, perform
+from pipeline.plan import WorkItem
+from pipeline.threads import ONE_THREAD
+
+Bundle = Sequence[WorkItem]
+MAX_ATTEMPTS = 3
+"""A task is tried so often when workers are lost under it."""
+
+CONNECT_SECONDS = 30
+
+
+class Executor(Protocol):
+    """Does bundles of work items in any order."""
+
+    @property
+    def workers(self) -> int:
+        """How many bundles it does at once."""
+
+    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+        """Yield the receipt of every work item as soon as it is there."""
+
+
+@contextlib.contextmanager
+def open_cluster(config: ClusterConfig) -> Iterator[Executor]:
+    """Open the cluster that the configuration names and close it afterwards.
+
+    Raises `StartError` when an external scheduler cannot be reached.
+    """
+    if config.kind == "sync":
+        yield Here()
+    elif config.kind == "local":
+        with _local(config) as client:
+            yield OnDask(client)
+    else:
+        with _external(config) as client:
+            yield OnDask(client)
+
+
+class Here:
+    """In this process, one after another: for debugging, and as the reference."""
+
+    workers = 1
+
+    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+        """See `Executor.run`."""
+        for bundle in bundles:
+            for item in bundle:
+                yield from perform(root, [item])
+
+
+class OnDask:
+    """On a Dask cluster, with a bounded window of futures: the scheduler holds keys and receipts, never geometry."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    @property
+    def workers(self) -> int:
+        """Threads of all workers."""
+        return max(1, sum(int(threads) for threads in self._client.nthreads().values()))
+
+    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+        """See `Executor.run`. A task whose worker was lost is tried again, apart from the others, then given up."""
+        from distributed import as_completed
+
+        waiting = deque((bundle, 1) for bundle in bundles)
+        running: dict[Any, tuple[Bundle, int]] = {}
+        completed = as_completed()
+
+        def submit() -> None:
+            while waiting and len(running) < 2 * self.workers + 2:
+                bundle, attempt = waiting.popleft()
+                name = f"{bundle[0].stage}-{bundle[0].key}-{attempt}"
+                future = self._client.submit(perform, root, tuple(bundle), key=name, pure=False)
+                running[future] = (bundle, attempt)
+                completed.add(future)
+
+        submit()
+        try:
+            while running:
+                future = next(completed)
+                bundle, attempt = running.pop(future)
+                if future.status == "finished":
+                    yield from future.result()
+                elif attempt < MAX_ATTEMPTS:
+                    waiting.append((bundle, attempt + 1))
+                else:
+                    failure = _failure(future, attempt)
+                    yield from (Receipt(item.stage, item.key, failure=failure) for item in bundle)
+                future.release()
+                submit()
+        finally:
+            self._client.cancel(list(running))
+
+
+def _failure(future: Any, attempts: int) -> Failure:
+    error = future.exception() if future.status == "error" else None
+    if error is None:
+        return Failure("WorkerLost", "the workers that tried it were lost", attempts)
+    return Failure(type(error).__name__, str(error), attempts)
+
+
+@contextlib.contextmanager
+def _local(config: ClusterConfig) -> Iterator[Any]:
+    from distributed import Client, LocalCluster
+
+    _quiet()
+    with (
+        LocalCluster(
+            n_workers=config.workers or os.cpu_count() or 1,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=":8787" if config.dashboard else None,
+            memory_limit=0,  # a limit would kill by the machine's size, so that results would depend on it
+            env=ONE_THREAD,
+            silence_logs=logging.ERROR,
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
+@contextlib.contextmanager
+def _external(config: ClusterConfig) -> Iterator[Any]:
+    from distributed import Client
+
+    _quiet()
+    try:
+        client = Client(config.address, timeout=CONNECT_SECONDS)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise StartError(
+            f"cluster.address={config.address}: no Dask scheduler answers there ({error}); "
+            "start one with `dask scheduler` and workers with `dask worker`, or use cluster=local"
+        ) from error
+    with client:
+        yield client
+
+
+def _quiet() -> None:
+    import dask
+
+    # A worker that dies takes one task with it, and we try that again ourselves and count.
+    dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.comm.timeouts.connect": "30s"})

@@ -1,0 +1,119 @@
+"""Execution: a stage's plan → its artifacts, only those that the store lacks, streaming, on any cluster."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pipeline.cluster import Bundle, Executor, Here, open_cluster
+from pipeline.config import ClusterConfig
+from pipeline.events import ItemDone, Listener, StageEnded, StageStarted
+from pipeline.perform import Failure, Receipt
+from pipeline.plan import Reference, WorkItem
+from pipeline.stages import BY_NAME
+from pipeline.store import State, Store
+
+MAX_TRIES = 3
+"""A work item is tried so often when the machine fails it (memory, files), never when the item itself is at fault."""
+
+RETRIED = frozenset({"OSError", "MemoryError", "BlockingIOError", "TimeoutError", "PermissionError", "PayloadError"})
+TASKS_PER_WORKER = 4
+
+
+@dataclass
+class Run:
+    """A run in progress: what is done, what failed, and how to get a cluster once it is needed."""
+
+    store: Store
+    listen: Listener
+    cluster: Callable[[], Executor]
+    done: set[Reference] = field(default_factory=set)
+    failed: dict[Reference, Failure] = field(default_factory=dict)
+    blocked: set[Reference] = field(default_factory=set)
+    stages: list[StageEnded] = field(default_factory=list)
+
+    def stage(self, name: str, items: Sequence[WorkItem], *, here: bool = False) -> None:
+        """Bring a stage's items into the store; ``here``: in this process, because it is not worth a worker."""
+        started = time.perf_counter()
+        unique = {item.reference: item for item in items}
+        states = {reference: self.store.state(*reference) for reference in unique}
+        cached = {reference for reference, state in states.items() if state is State.PRESENT}
+        corrupt = sum(state is State.CORRUPT for state in states.values())
+        self.listen(StageStarted(name, BY_NAME[name].unit, len(unique), len(cached), corrupt))
+        self.done |= cached
+        ready = {ref: item for ref, item in unique.items() if ref not in cached and self.done.issuperset(item.sources)}
+        self.blocked |= unique.keys() - cached - ready.keys()
+        spent: list[Receipt] = []
+        if ready:
+            executor = Here() if here else self.cluster()
+            spent = self._work(executor, ready)
+        ended = StageEnded(
+            stage=name,
+            total=len(unique),
+            cached=len(cached),
+            computed=sum(reference in self.done for reference in ready),
+            failed=sum(reference in self.failed for reference in ready),
+            blocked=len(unique) - len(cached) - len(ready),
+            seconds=time.perf_counter() - started,
+            cpu_seconds=sum(receipt.cpu_seconds for receipt in spent),
+            stored_seconds=self._stored_seconds(unique),
+            peak_mb=max((receipt.peak_mb for receipt in spent), default=0.0),
+        )
+        self.stages.append(ended)
+        self.listen(ended)
+
+    def _work(self, executor: Executor, ready: dict[Reference, WorkItem]) -> list[Receipt]:
+        spent: list[Receipt] = []
+        pending = list(ready.values())
+        for tries in range(1, MAX_TRIES + 1):
+            again: list[WorkItem] = []
+            for receipt in executor.run(str(self.store.root), bundles(pending, executor.workers)):
+                spent.append(receipt)
+                reference = (receipt.stage, receipt.key)
+                if receipt.failure is None:
+                    self.done.add(reference)
+                elif receipt.failure.type in RETRIED and tries < MAX_TRIES:
+                    again.append(ready[reference])
+                    continue
+                else:
+                    failure = receipt.failure
+                    self.failed[reference] = Failure(failure.type, failure.message, failure.attempts + tries - 1)
+                self.listen(ItemDone(receipt.stage, receipt.failure is not None))
+            if not again:
+                break
+            pending = again
+        return spent
+
+    def _stored_seconds(self, items: dict[Reference, WorkItem]) -> float:
+        total = 0.0
+        for reference in sorted(items.keys() & self.done):
+            entry = self.store.entry(*reference)
+            total += entry.cost.get("seconds", 0.0) if entry is not None else 0.0
+        return total
+
+
+def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
+    """Group work items of one stage into tasks: up to the stage's bundle, but enough tasks for every worker."""
+    if not items:
+        return []
+    most = BY_NAME[items[0].stage].bundle
+    size = max(1, min(most, len(items) // (TASKS_PER_WORKER * workers)))
+    return [items[start : start + size] for start in range(0, len(items), size)]
+
+
+@contextlib.contextmanager
+def open_run(root: Path, cluster: ClusterConfig, prepare: Callable[[], None], listen: Listener) -> Iterator[Run]:
+    """A run whose cluster is opened with the first work item that needs it, after ``prepare`` (compiling kernels)."""
+    with contextlib.ExitStack() as stack:
+        opened: list[Executor] = []
+
+        def executor() -> Executor:
+            if not opened:
+                prepare()
+                opened.append(stack.enter_context(open_cluster(cluster)))
+            return opened[0]
+
+        yield Run(Store(root), listen, executor)

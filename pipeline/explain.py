@@ -1,0 +1,157 @@
+"""Plans shown, and misses explained: what would run, how long, and which component of the key changed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from pipeline.config import Config
+from pipeline.datasets import collect
+from pipeline.plan import Plan, WorkItem, make_plan, plan_construct, plan_crs, plan_full_trunks, plan_select
+from pipeline.stages import BY_NAME
+from pipeline.store import Entry, State, Store
+
+Changes = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class StageForecast:
+    """What a run would do in one stage; ``items`` is None while the selection is not known."""
+
+    stage: str
+    items: int | None
+    cached: int
+    corrupt: int
+    seconds: float | None
+    """Estimate of the work left on one worker, from what the stage's artifacts in the store once took."""
+    missing: tuple[WorkItem, ...]
+
+
+def forecast(config: Config, store: Store) -> list[StageForecast]:
+    """What a run would find and do, stage by stage, without doing anything.
+
+    Raises `pipeline.datasets.DatasetError` when there is no collection.
+    """
+    plan = make_plan(config, collect(config.dataset))
+    static = (("ingest", plan.ingest), ("reversibility", plan.reversibility), ("trunks", plan.trunks))
+    found = [_stage(store, name, items) for name, items in static]
+    found.append(_stage(store, "qcrs", tuple(plan.qcrs.values())))
+    return found + _after_selection(plan, store)
+
+
+def _after_selection(plan: Plan, store: Store) -> list[StageForecast]:
+    done = {item.reference for item in (*plan.qcrs.values(), *plan.reversibility)}
+    select = plan_select(plan, done)
+    found = [_stage(store, "select", [select])]
+    if found[0].cached == 0:
+        return found + [StageForecast(name, None, 0, 0, None, ()) for name in ("trunks_full", "crs", "construct")]
+    pairs = [(int(i), int(j)) for i, j in store.get(*select.reference).arrays["pairs"]]
+    full = plan_full_trunks(plan, pairs)
+    crs = plan_crs(plan, pairs, full)
+    found.append(_stage(store, "trunks_full", list(full.values())))
+    found.append(_stage(store, "crs", crs))
+    found.append(_stage(store, "construct", plan_construct(plan, crs)))
+    return found
+
+
+def _stage(store: Store, name: str, items: Sequence[WorkItem]) -> StageForecast:
+    states = [store.state(*item.reference) for item in items]
+    missing = tuple(item for item, state in zip(items, states, strict=True) if state is not State.PRESENT)
+    corrupt = sum(state is State.CORRUPT for state in states)
+    costs = [entry.cost["seconds"] for entry in store.entries(name) if "seconds" in entry.cost] if missing else []
+    seconds = len(missing) * sum(costs) / len(costs) if costs else None
+    if not missing:
+        seconds = 0.0
+    return StageForecast(name, len(items), len(items) - len(missing), corrupt, seconds, missing)
+
+
+def show_plan(forecasts: Sequence[StageForecast], top: int, console: Console) -> None:
+    """Print what would run."""
+    table = Table(title="Plan: nothing was run", title_justify="left")
+    table.add_column("stage")
+    table.add_column("work items")
+    for title in ("in all", "cached", "to do", "damaged", "estimate"):
+        table.add_column(title, justify="right")
+    for one in forecasts:
+        unit = BY_NAME[one.stage].unit
+        if one.items is None:
+            most = 2 * top if one.stage == "trunks_full" else top
+            table.add_row(one.stage, unit, f"≤ {most}", "?", "?", "", "after the selection")
+            continue
+        estimate = "unknown" if one.seconds is None else f"{one.seconds:.1f} s"
+        table.add_row(
+            one.stage, unit, str(one.items), str(one.cached), str(len(one.missing)), str(one.corrupt or ""), estimate
+        )
+    console.print(table)
+    console.print("Estimates are for one worker, from what the same stage took before.", highlight=False)
+
+
+def show_explanation(forecasts: Sequence[StageForecast], store: Store, console: Console) -> None:
+    """Print for every stage with work left which components of its keys changed, old and new."""
+    for one in forecasts:
+        if one.items is None:
+            console.print(f"{one.stage}: known after the selection", highlight=False)
+        elif not one.missing:
+            console.print(f"{one.stage}: all {one.items} cached", highlight=False)
+        else:
+            console.print(f"{one.stage}: {len(one.missing)} of {one.items} to do, because", highlight=False)
+            for text, count in reasons(one.missing, store).most_common():
+                console.print(f"  {count} × {text}", highlight=False, markup=False, soft_wrap=True)
+
+
+def reasons(missing: Iterable[WorkItem], store: Store) -> Counter[str]:
+    """Why work items are not in the store, counted: against the stored item of the same stage that is nearest."""
+    found: Counter[str] = Counter()
+    known: dict[str, list[Entry]] = {}
+    for item in missing:
+        if item.stage not in known:
+            known[item.stage] = list(store.entries(item.stage))
+        if store.state(*item.reference) is State.CORRUPT:
+            found["corrupt: the stored artifact is torn, truncated or altered"] += 1
+            continue
+        found["; ".join(explain(item.parts.to_json(), [entry.parts for entry in known[item.stage]]))] += 1
+    return found
+
+
+def explain(parts: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> Changes:
+    """Which components of a key differ from the nearest of the ``known`` keys, with old and new values."""
+    if not known:
+        return ("new: nothing of this stage is in the store",)
+    nearest = min(known, key=lambda old: _distance(parts, old))
+    changes: list[str] = []
+    for component in ("schema", "parameters", "code", "versions"):
+        changes += _differences(component, nearest.get(component), parts.get(component))
+    if changes:
+        return tuple(changes)
+    shared = len(set(parts["inputs"]) & set(nearest["inputs"]))
+    return (f"inputs: {len(parts['inputs']) - shared} of {len(parts['inputs'])} are new",)
+
+
+def _distance(parts: Mapping[str, Any], old: Mapping[str, Any]) -> tuple[int, int]:
+    changed = sum(
+        len(_differences(component, old.get(component), parts.get(component)))
+        for component in ("schema", "parameters", "code", "versions")
+    )
+    return changed, -len(set(parts["inputs"]) & set(old["inputs"]))
+
+
+def _differences(name: str, old: Any, new: Any) -> list[str]:
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        found = []
+        for part in sorted(old.keys() | new.keys()):
+            found += _differences(f"{name}.{part}", old.get(part), new.get(part))
+        return found
+    if old == new:
+        return []
+    if name.startswith("code."):
+        return [f"{name} {_short(old)} → {_short(new)}"]
+    return [f"{name} {old!r} → {new!r}"]
+
+
+def _short(digest: Any) -> str:
+    return digest[:8] if isinstance(digest, str) else "absent"

@@ -1,0 +1,171 @@
+"""The pipeline itself: the list of stages, from a collection to tables and a report."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.config import Config
+from pipeline.datasets import Collection, collect
+from pipeline.errors import StartError
+from pipeline.events import Listener, Note
+from pipeline.execute import Run, open_run
+from pipeline.plan import (
+    Pair,
+    Plan,
+    WorkItem,
+    make_plan,
+    plan_construct,
+    plan_crs,
+    plan_full_trunks,
+    plan_select,
+)
+from pipeline.record import RECORD, holds, outcome_digest, write_record
+from pipeline.results import Results
+from pipeline.store import write_atomically
+from pipeline.write import write_tables
+from riot.shape import FloatArray
+
+CLEAN, BAD_START, WITH_ERRORS = 0, 2, 3
+"""Exit codes: all well; could not start; finished, with rows in the table of errors."""
+
+REPORT = "report.html"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended: the exit code, the folder of its tables, its report, and whether anything was written."""
+
+    code: int
+    folder: Path
+    report: Path | None
+    written: bool
+    seconds: float
+    results: Results
+
+
+def run_folder(config: Config) -> Path:
+    """Where the tables of a run go."""
+    return config.outputs / config.dataset.name
+
+
+def check_folders(config: Config) -> None:
+    """Make sure that outputs and store can be written, before any work.
+
+    Raises `StartError` naming the folder and the parameter to change.
+    """
+    for folder, parameter in ((run_folder(config), "outputs"), (config.store, "store")):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            probe = folder / ".probe"
+            write_atomically(probe, b"")
+            probe.unlink()
+        except OSError as error:
+            raise StartError(
+                f"cannot write to {folder}: {error.strerror or error}; make it writable, or choose another place "
+                f"with {parameter}=DIR"
+            ) from error
+
+
+def run_pipeline(config: Config, listen: Listener) -> Outcome:
+    """Run everything that the store lacks and write the tables; the run's folder must be writable.
+
+    Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` without a cluster.
+    """
+    started, clock = datetime.now(UTC), time.perf_counter()
+    collection = collect(config.dataset)
+    plan = make_plan(config, collection)
+    with open_run(config.store, config.cluster, lambda: _compile(listen), listen) as run:
+        results = _stages(plan, collection, run)
+    folder = run_folder(config)
+    digest = outcome_digest(results)
+    code = WITH_ERRORS if results.errors or results.blocked else CLEAN
+    nothing_new = all(stage.computed == 0 and stage.failed == 0 for stage in results.stages)
+    if nothing_new and holds(folder, digest):
+        return Outcome(code, folder, folder / REPORT, False, time.perf_counter() - clock, results)
+
+    listen(Note("writing tables …"))
+    (folder / RECORD).unlink(missing_ok=True)  # until it is back, the folder holds no finished run
+    files = write_tables(results, folder)
+    times = {
+        "started": started.isoformat(timespec="seconds"),
+        "seconds": time.perf_counter() - clock,
+        "workers": config.cluster.kind,
+    }
+    write_record(folder, results, digest, files, code, times)
+    report = _report(folder, listen)
+    if report is None:
+        code = WITH_ERRORS
+    else:
+        files = [*files, report]
+    times["seconds"] = time.perf_counter() - clock
+    write_record(folder, results, digest, files, code, times)
+    return Outcome(code, folder, report, True, time.perf_counter() - clock, results)
+
+
+def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
+    run.stage("ingest", plan.ingest)
+    run.stage("reversibility", plan.reversibility)
+    run.stage("trunks", plan.trunks)
+    run.stage("qcrs", list(plan.qcrs.values()))
+    select = plan_select(plan, run.done)
+    run.stage("select", [select], here=True)
+    pairs, scores = read_pairs(run, select)
+    full = plan_full_trunks(plan, pairs)
+    run.stage("trunks_full", list(full.values()))
+    crs = plan_crs(plan, pairs, full)
+    run.stage("crs", crs)
+    construct = plan_construct(plan, crs)
+    run.stage("construct", construct)
+    return Results(
+        plan=plan,
+        collection=collection,
+        store=run.store,
+        done=frozenset(run.done),
+        failed=dict(run.failed),
+        blocked=len(run.blocked),
+        pairs=tuple(pairs),
+        qcrs=scores,
+        work={
+            "ingest": plan.ingest,
+            "reversibility": plan.reversibility,
+            "trunks": plan.trunks,
+            "qcrs": tuple(plan.qcrs.values()),
+            "select": (select,),
+            "trunks_full": tuple(full.values()),
+            "crs": crs,
+            "construct": construct,
+        },
+        stages=tuple(run.stages),
+    )
+
+
+def read_pairs(run: Run, select: WorkItem) -> tuple[Sequence[Pair], FloatArray]:
+    """The pairs that a finished selection chose, best first, with their scores; none if it failed."""
+    if select.reference not in run.done:
+        return (), np.empty(0)
+    chosen = run.store.get(*select.reference)
+    return [(int(i), int(j)) for i, j in chosen.arrays["pairs"]], np.array(chosen.arrays["score"])
+
+
+def _compile(listen: Listener) -> None:
+    from riot.kernels.warm import warm_all
+
+    warm_all(lambda text: listen(Note(text)))
+
+
+def _report(folder: Path, listen: Listener) -> Path | None:
+    from pipeline.report import write_report
+
+    listen(Note("writing the report …"))
+    write: Callable[[Path], Path] = write_report
+    try:
+        return write(folder)
+    except Exception as error:  # the tables are whole: a run must not be lost by its picture book
+        listen(Note(f"the report could not be written: {type(error).__name__}: {error}; the tables are complete"))
+        return None

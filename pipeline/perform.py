@@ -1,0 +1,59 @@
+"""What a worker does: read inputs from the store, run the stage's work, write the artifact, return a receipt."""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.plan import WorkItem
+from pipeline.stages import code_text, work_of
+from pipeline.store import Store
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a work item made no artifact: the error's type and message, and how often it was tried."""
+
+    type: str
+    message: str
+    attempts: int = 1
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """All that comes back from a worker: no geometry, only what happened and what it cost."""
+
+    stage: str
+    key: str
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+    failure: Failure | None = None
+
+
+def perform(root: str, items: Sequence[WorkItem]) -> list[Receipt]:
+    """Do some work items, one after another, against the store at ``root``; a failure stays with its item."""
+    store = Store(Path(root))
+    return [_perform_one(store, item) for item in items]
+
+
+def _perform_one(store: Store, item: WorkItem) -> Receipt:
+    wall, cpu = time.perf_counter(), time.process_time()
+    failure = None
+    try:
+        work = work_of(item.stage, code_text(dict(item.parts.code), dict(item.parts.versions)))
+        artifact = work([store.get(*source) for source in item.sources], item.parameters, item.spec)
+        seconds, cpu_seconds = time.perf_counter() - wall, time.process_time() - cpu
+        store.put(item.parts, artifact, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": _peak_mb()})
+    except Exception as error:
+        failure = Failure(type(error).__name__, str(error) or type(error).__name__)
+    return Receipt(item.stage, item.key, time.perf_counter() - wall, time.process_time() - cpu, _peak_mb(), failure)
+
+
+def _peak_mb() -> float:
+    # Kilobytes on Linux, bytes on macOS.
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)

@@ -1,0 +1,169 @@
+"""The plan: which work items a run consists of, by content key, known before anything runs.
+
+Keys are chained (an item's inputs are named by their keys), so that everything up to the selection is planned from the
+configuration and the items' digests alone. Full trunks, CRS and construction are planned once the pairs are known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection as Set
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from pipeline.batches import cut
+from pipeline.config import Config
+from pipeline.datasets import Collection, Item
+from pipeline.keys import KeyParts, digest_text
+from pipeline.stages import STAGES, Recipe, recipe
+from pipeline.work.select import Spec
+
+Reference = tuple[str, str]
+"""(stage, key) of an artifact."""
+
+Pair = tuple[int, int]
+"""Positions of two items in the collection, the smaller first."""
+
+
+@dataclass(frozen=True)
+class WorkItem:
+    """One piece of work that makes one artifact.
+
+    ``members`` are the positions of the items in the collection that it concerns: all of a batch, two of a pair.
+    """
+
+    parts: KeyParts
+    parameters: tuple[Any, ...]
+    sources: tuple[Reference, ...]
+    spec: Any
+    members: tuple[int, ...]
+
+    @property
+    def stage(self) -> str:
+        """Name of its stage."""
+        return self.parts.stage
+
+    @cached_property
+    def key(self) -> str:
+        """Its content key."""
+        return self.parts.key()
+
+    @property
+    def reference(self) -> Reference:
+        """(stage, key)."""
+        return self.stage, self.key
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that is known when a run starts: items in canonical order, batches, and the static work items."""
+
+    config: Config
+    items: tuple[Item, ...]
+    batches: tuple[range, ...]
+    recipes: dict[str, Recipe]
+    ingest: tuple[WorkItem, ...]
+    reversibility: tuple[WorkItem, ...]
+    trunks: tuple[WorkItem, ...]
+    qcrs: dict[Pair, WorkItem]
+
+    def place(self, position: int) -> tuple[int, int]:
+        """(batch, index within it) of an item."""
+        for number, batch in enumerate(self.batches):
+            if position in batch:
+                return number, position - batch.start
+        raise LookupError(f"no item {position} in a collection of {len(self.items)}")
+
+
+def make_plan(config: Config, collection: Collection) -> Plan:
+    """Plan all static work; ``collection.items`` must be in canonical order."""
+    recipes = {stage.name: recipe(stage, config) for stage in STAGES}
+    items = tuple(collection.items)
+    batches = tuple(cut([item.digest for item in items], config.batch))
+    ingest = tuple(_ingest(recipes["ingest"], items, batch) for batch in batches)
+    reversibility = tuple(_after(recipes["reversibility"], one) for one in ingest)
+    trunks = tuple(_after(recipes["trunks"], one) for one in ingest)
+    qcrs = {
+        (a, b): _block(recipes["qcrs"], trunks[a], trunks[b], same=a == b)
+        for a in range(len(batches))
+        for b in range(a, len(batches))
+    }
+    return Plan(config, items, batches, recipes, ingest, reversibility, trunks, qcrs)
+
+
+def plan_select(plan: Plan, done: Set[Reference]) -> WorkItem:
+    """The selection over the blocks that are done; unlike the other keys, its key holds the classes in order."""
+    blocks = {ab: item for ab, item in plan.qcrs.items() if item.reference in done}
+    rated = [number for number, item in enumerate(plan.reversibility) if item.reference in done]
+    sources = [item.reference for item in blocks.values()] + [plan.reversibility[number].reference for number in rated]
+    classes = tuple(item.cls for item in plan.items)
+    spec = Spec(classes, tuple(batch.start for batch in plan.batches), tuple(blocks), tuple(rated))
+    of = plan.recipes["select"]
+    # A digest instead of the spec itself: the manifest need not repeat every class.
+    parts = of.parts([key for _, key in sources], digest_text(repr(spec)))
+    return WorkItem(parts, of.parameters, tuple(sources), spec, ())
+
+
+def plan_full_trunks(plan: Plan, pairs: Sequence[Pair]) -> dict[int, WorkItem]:
+    """Full trunks of every shape of the pairs, by position."""
+    of = plan.recipes["trunks_full"]
+    work = {}
+    for position in sorted({position for pair in pairs for position in pair}):
+        batch, index = plan.place(position)
+        # Named after the shape and not after its batch, so that it stays when the batch changes.
+        parts = of.parts([_shape_key(plan, position)])
+        work[position] = WorkItem(parts, of.parameters, (plan.ingest[batch].reference,), index, (position,))
+    return work
+
+
+def plan_crs(plan: Plan, pairs: Sequence[Pair], full: dict[int, WorkItem]) -> list[WorkItem]:
+    """CRS of every pair, in order."""
+    of = plan.recipes["crs"]
+    work = []
+    for p, q in pairs:
+        (batch_p, index_p), (batch_q, index_q) = plan.place(p), plan.place(q)
+        batches = (plan.ingest[batch_p].reference, plan.ingest[batch_q].reference)
+        parts = of.parts([full[p].key, full[q].key])
+        sources = (*batches, full[p].reference, full[q].reference)
+        work.append(WorkItem(parts, of.parameters, sources, (index_p, index_q), (p, q)))
+    return work
+
+
+def plan_construct(plan: Plan, crs: Sequence[WorkItem]) -> list[WorkItem]:
+    """Construction of every pair that has a CRS, in order."""
+    of = plan.recipes["construct"]
+    work = []
+    for cross in crs:
+        p, q = cross.members
+        names = (plan.items[p].name, plan.items[q].name)
+        spec = ((cross.spec[0], names[0]), (cross.spec[1], names[1]))
+        sources = (*cross.sources[:2], cross.reference)
+        work.append(WorkItem(of.parts([cross.key], names), of.parameters, sources, spec, (p, q)))
+    return work
+
+
+def _ingest(of: Recipe, items: tuple[Item, ...], batch: range) -> WorkItem:
+    members = items[batch.start : batch.stop]
+    parts = of.parts([_input_digest(item) for item in members])
+    return WorkItem(parts, of.parameters, (), members, tuple(batch))
+
+
+def _input_digest(item: Item) -> str:
+    # The suffix chooses the reader, so that the same bytes under another suffix are another input.
+    suffix = item.source.rpartition(".")[2].lower() if "." in item.source else ""
+    return f"{item.digest}.{suffix}" if 0 < len(suffix) <= 5 and suffix.isalnum() else item.digest
+
+
+def _shape_key(plan: Plan, position: int) -> str:
+    return plan.recipes["ingest"].parts([_input_digest(plan.items[position])]).key()
+
+
+def _after(of: Recipe, item: WorkItem) -> WorkItem:
+    return WorkItem(of.parts([item.key]), of.parameters, (item.reference,), None, item.members)
+
+
+def _block(of: Recipe, a: WorkItem, b: WorkItem, *, same: bool) -> WorkItem:
+    members = a.members if same else a.members + b.members
+    sources = (a.reference,) if same else (a.reference, b.reference)
+    return WorkItem(of.parts([key for _, key in sources]), of.parameters, sources, same, members)

@@ -1,0 +1,122 @@
+"""What a run found, read back from the store item by item: the source of all tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from pipeline.artifact import Artifact
+from pipeline.datasets import Collection, Item
+from pipeline.events import StageEnded
+from pipeline.perform import Failure
+from pipeline.plan import Pair, Plan, Reference, WorkItem
+from pipeline.sample import PREFIX
+from pipeline.store import Store
+from pipeline.work.ingest import SOURCE
+from riot.shape import FloatArray, IntArray
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Results:
+    """The plan with what became of it. Positions number the collection's items, shape numbers only what has a shape."""
+
+    plan: Plan
+    collection: Collection
+    store: Store
+    done: frozenset[Reference]
+    failed: Mapping[Reference, Failure]
+    blocked: int
+    pairs: tuple[Pair, ...]
+    qcrs: FloatArray
+    work: Mapping[str, Sequence[WorkItem]]
+    """Work items of every stage, by name of the stage."""
+    stages: tuple[StageEnded, ...]
+
+    def artifact(self, item: WorkItem) -> Artifact | None:
+        """The artifact of a work item; None where it failed or was blocked."""
+        return self.store.get(*item.reference) if item.reference in self.done else None
+
+    @cached_property
+    def numbers(self) -> IntArray:
+        """(items,) shape number of every position, −1 without a shape."""
+        lengths = np.zeros(len(self.plan.items), dtype=np.int64)
+        for batch, item in zip(self.plan.batches, self.plan.ingest, strict=True):
+            artifact = self.artifact(item)
+            if artifact is not None:
+                lengths[batch.start : batch.stop] = np.diff(artifact.arrays["offsets"])
+        valid = lengths > 0
+        return np.where(valid, np.cumsum(valid) - 1, -1)
+
+    @property
+    def shapes(self) -> int:
+        """How many items became shapes."""
+        return int((self.numbers >= 0).sum())
+
+    def source(self, item: Item) -> str:
+        """The item's source relative to its collection: where that lies is no part of the tables."""
+        return shown_source(item.name, item.source)
+
+    @cached_property
+    def errors(self) -> list[Row]:
+        """Rows of the table of errors: by stage, then by item."""
+        rows = [
+            _error(
+                one.name, "collect", "", "Rejected", one.reason, self._readable(one.message, one.source, one.name), 1
+            )
+            for one in self.collection.rejected
+        ]
+        for name, items in self.work.items():
+            for item in items:
+                rows += self._failed(name, item)
+        return rows
+
+    def _readable(self, message: str, source: str, name: str) -> str:
+        return message.replace(source, shown_source(name, source))
+
+    def _failed(self, stage: str, item: WorkItem) -> Iterator[Row]:
+        failure = self.failed.get(item.reference)
+        if failure is not None:
+            for name in self._names(item):
+                yield _error(name, stage, item.key, failure.type, "", failure.message, failure.attempts)
+            return
+        if item.reference not in self.done or stage in ("qcrs", "select"):
+            return
+        artifact = self.store.get(*item.reference)
+        for row in artifact.document.get("errors", ()):
+            if len(item.members) == 2 and stage in ("crs", "construct"):
+                name, message = self._names(item)[0], row["message"]
+            else:
+                member = self.plan.items[item.members[row["index"]]]
+                name, message = member.name, row["message"].replace(SOURCE, self.source(member))
+            yield _error(name, stage, item.key, row["type"], row["reason"], message, 1)
+
+    def _names(self, item: WorkItem) -> list[str]:
+        names = [self.plan.items[position].name for position in item.members]
+        return [" × ".join(names)] if item.stage in ("crs", "construct") else names or [f"({item.stage})"]
+
+
+def shown_source(name: str, source: str) -> str:
+    """A source without the place of its collection: a sample's definition, or the file's path below the root."""
+    if source.startswith(PREFIX):
+        return source
+    suffix = PurePath(source).suffix
+    return name if name.endswith(suffix) else name + suffix
+
+
+def _error(item: str, stage: str, key: str, kind: str, reason: str, message: str, attempts: int) -> Row:
+    return {
+        "item": item,
+        "stage": stage,
+        "key": key,
+        "type": kind,
+        "reason": reason,
+        "message": message,
+        "attempts": attempts,
+    }

@@ -1,0 +1,94 @@
+"""The method as a list of stages: what each is called, which parameters it reads, and which module does its work."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from operator import attrgetter
+from typing import Any
+
+from pipeline.artifact import Artifact, canonical_json
+from pipeline.closure import code_digests, library_versions
+from pipeline.config import Config
+from pipeline.keys import KeyParts, canonical_value
+
+Work = Callable[[Sequence[Artifact], Sequence[Any], Any], Artifact]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage: name, the parameters it reads (groups, or one of a group), its items, how many go to a worker at once.
+
+    ``bundle`` is the most work items in one task: a task should last a second or more, a stored artifact should be
+    as small as can be used again.
+    """
+
+    name: str
+    reads: tuple[str, ...]
+    unit: str
+    bundle: int = 1
+
+    @property
+    def module(self) -> str:
+        """The module whose ``run`` does the work, and whose import closure is the stage's code."""
+        return f"pipeline.work.{self.name}"
+
+
+STAGES = (
+    Stage("ingest", ("shape",), "batches of pictures"),
+    Stage("reversibility", ("reversibility",), "batches of shapes"),
+    Stage("trunks", ("trunks",), "batches of shapes"),
+    Stage("qcrs", ("qcrs",), "blocks of pairs", bundle=4),
+    Stage("select", ("select",), "selection"),
+    Stage("trunks_full", ("trunks",), "shapes", bundle=4),
+    Stage("crs", ("crs", "construct.candidates"), "pairs", bundle=4),
+    Stage("construct", ("construct",), "pairs"),
+)
+
+BY_NAME = {stage.name: stage for stage in STAGES}
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A stage with everything that its keys share: frozen when a run starts."""
+
+    stage: Stage
+    parameters: tuple[Any, ...]
+    values: dict[str, Any]
+    code: dict[str, str]
+    versions: dict[str, str]
+
+    def parts(self, inputs: Sequence[str], spec: Any = None) -> KeyParts:
+        """Parts of the key of a work item; ``spec`` is whatever else the work depends on, as plain values."""
+        values = self.values if spec is None else {**self.values, "item": canonical_value(spec)}
+        return KeyParts(self.stage.name, values, tuple(inputs), self.code, self.versions)
+
+
+def recipe(stage: Stage, config: Config) -> Recipe:
+    """Read a stage's parameters out of the configuration and take the digests of its code."""
+    parameters = tuple(attrgetter(name)(config) for name in stage.reads)
+    values = {name: canonical_value(value) for name, value in zip(stage.reads, parameters, strict=True)}
+    return Recipe(stage, parameters, values, code_digests(stage.module), library_versions(stage.module))
+
+
+@cache
+def work_of(stage: str, code: str) -> Work:
+    """The function that does a stage's work, if its code here and now is ``code`` (see `code_text`).
+
+    Raises RuntimeError when it is not: the key would promise what other code computes.
+    """
+    module = BY_NAME[stage].module
+    function: Work = importlib.import_module(module).run
+    if code_text(code_digests(module), library_versions(module)) != code:
+        raise RuntimeError(
+            f"the code of stage {stage} is not the code that the run was planned with: "
+            "it changed after the start, or the workers have another version; start the run again"
+        )
+    return function
+
+
+def code_text(code: dict[str, str], versions: dict[str, str]) -> str:
+    """Code digests and versions as one comparable text."""
+    return canonical_json([code, versions])

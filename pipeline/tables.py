@@ -1,0 +1,177 @@
+"""The tables of a run: one Arrow schema each, with the unit and the meaning of every column in its metadata.
+
+`shape`, `i` and `j` are shape numbers: 0, 1, … in order of name, over the shapes of the run. Every table is plain
+columns, so that pandas, Arrow, Dask and DuckDB read it without this project.
+"""
+
+from __future__ import annotations
+
+import pyarrow as pa
+
+RATIO = "1"
+AREA = "unit-area frame"
+SCORE = "score in [0, 1]"
+OF_L_C = "L_c = 2*sqrt(pi)"
+BOUNDARY = "index of boundary point"
+
+
+def _column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
+    return pa.field(name, kind, metadata={"meaning": meaning, "unit": unit})
+
+
+def _schema(meaning: str, *columns: pa.Field) -> pa.Schema:
+    return pa.schema(list(columns), metadata={"meaning": meaning})
+
+
+_PAIR = (
+    _column("i", pa.int32(), "first shape (P)", "shape number"),
+    _column("j", pa.int32(), "second shape (Q)", "shape number"),
+)
+
+_NAMES = (
+    _column("name_i", pa.string(), "name of the first shape"),
+    _column("name_j", pa.string(), "name of the second shape"),
+    _column("class_i", pa.string(), "class of the first shape, empty = none"),
+    _column("class_j", pa.string(), "class of the second shape, empty = none"),
+)
+
+SHAPES = _schema(
+    "The shapes of the run, in order of name.",
+    _column("shape", pa.int32(), "shape number, by which all tables join", "shape number"),
+    _column("name", pa.string(), "name of the shape, unique in the collection"),
+    _column("class", pa.string(), "class of the shape, empty = none"),
+    _column("source", pa.string(), "file, relative to the root of the collection, or definition of a sample"),
+    _column("digest", pa.string(), "SHA-256 of the source"),
+    _column("points", pa.int32(), "boundary points", "count"),
+    _column("features", pa.int32(), "main feature points among them", "count"),
+    _column("sparse_points", pa.int32(), "sparse boundary points, candidates for trunk vertices", "count"),
+    _column("trunks", pa.int32(), "quick trunks; with none, every QCRS of the shape is 0", "count"),
+    _column("perimeter", pa.float64(), "length of the boundary", AREA),
+    _column("width", pa.float64(), "extent in x", AREA),
+    _column("height", pa.float64(), "extent in y", AREA),
+)
+
+REVERSIBILITY = _schema(
+    "Reversibility score of every shape (paper §5.1); nan where it could not be computed.",
+    _column("shape", pa.int32(), "shape", "shape number"),
+    _column("score", pa.float64(), "S_r = min(s1, s2)", SCORE),
+    _column("s1", pa.float64(), "of the perimeter, equation 9", SCORE),
+    _column("s2", pa.float64(), "of the waists, equation 10", SCORE),
+    _column("waist", pa.float64(), "largest neck ratio among the waists, nan without a waist", RATIO),
+    _column("necks", pa.int32(), "necks found", "count"),
+)
+
+TRUNKS = _schema(
+    "Quick trunks, by shape and then by number of vertices and area.",
+    _column("shape", pa.int32(), "shape", "shape number"),
+    _column("trunk", pa.int32(), "number within the shape", "trunk number"),
+    _column("n", pa.int8(), "vertices", "count"),
+    _column("area", pa.float64(), "area of the trunk; the shape's is 1", AREA),
+    _column("perimeter", pa.float64(), "sum of the edge lengths", AREA),
+    _column("vertices", pa.list_(pa.int32()), "vertices, counter-clockwise", BOUNDARY),
+)
+
+QCRS = _schema(
+    "Quick cross-reversibility score of every pair i < j (paper §5.2).",
+    *_PAIR,
+    _column("score", pa.float64(), "QCRS; 0 when the two have no trunks of one size", SCORE),
+    _column("n", pa.int8(), "vertices of the two trunks, 0 = none", "count"),
+    _column("trunk_i", pa.int32(), "the best pair's trunk of i, −1 = none", "trunk number"),
+    _column("trunk_j", pa.int32(), "the best pair's trunk of j, −1 = none", "trunk number"),
+    _column("shift", pa.int8(), "vertex k of trunk_i corresponds to (shift − k) mod n of trunk_j", "count"),
+)
+
+SELECTED = _schema(
+    "The pairs that went on to CRS and construction, best QCRS first.",
+    _column("rank", pa.int32(), "1 = the best QCRS", "rank"),
+    *_PAIR,
+    *_NAMES,
+    _column("qcrs", pa.float64(), "QCRS of the pair", SCORE),
+)
+
+CRS = _schema(
+    "Cross-reversibility score of the selected pairs (paper §4.2).",
+    _column("rank", pa.int32(), "rank in `selected`", "rank"),
+    *_PAIR,
+    _column("score", pa.float64(), "CRS = min(s_edge, s_angle, s_area) of the best pair of trunks", SCORE),
+    _column("s_edge", pa.float64(), "edge term, equation 3", SCORE),
+    _column("s_angle", pa.float64(), "angle term, equation 4", SCORE),
+    _column("s_area", pa.float64(), "area term, equation 5, of the worse direction", SCORE),
+    _column("n", pa.int8(), "vertices of the two trunks, 0 = none", "count"),
+    _column("trunk_i", pa.list_(pa.int64()), "trunk of i, counter-clockwise", BOUNDARY),
+    _column("trunk_j", pa.list_(pa.int64()), "trunk of j in corresponding order, clockwise", BOUNDARY),
+    _column("trunks_i", pa.int32(), "full trunks of i", "count"),
+    _column("trunks_j", pa.int32(), "full trunks of j", "count"),
+    _column("evaluations", pa.int64(), "area terms evaluated", "count"),
+)
+
+TRANSFORMS = _schema(
+    "Constructed transforms, least deformed first, then the rejected ones in order of selection.",
+    _column("rank", pa.int32(), "1 = the greatest IoU of the worse shape", "rank"),
+    _column("selected", pa.int32(), "rank in `selected`", "rank"),
+    *_PAIR,
+    *_NAMES,
+    _column("status", pa.string(), "certified, or rejected"),
+    _column("reason", pa.string(), "why it was rejected, one word"),
+    _column("message", pa.string(), "why it was rejected, in words"),
+    _column("file", pa.string(), "the transform, relative to the run's folder; empty if rejected"),
+    _column("qcrs", pa.float64(), "QCRS of the pair", SCORE),
+    _column("crs", pa.float64(), "CRS of the pair", SCORE),
+    _column("s_edge", pa.float64(), "edge term of the CRS", SCORE),
+    _column("s_angle", pa.float64(), "angle term of the CRS", SCORE),
+    _column("s_area", pa.float64(), "area term of the CRS", SCORE),
+    _column("n", pa.int8(), "pieces", "count"),
+    _column("iou", pa.float64(), "intersection over union with the input, of the worse shape", RATIO),
+    _column("iou_p", pa.float64(), "of P with its input", RATIO),
+    _column("iou_q", pa.float64(), "of Q with its input", RATIO),
+    _column("bound_p", pa.float64(), "upper bound of iou_p for the trunks used", RATIO),
+    _column("bound_q", pa.float64(), "upper bound of iou_q for the trunks used", RATIO),
+    _column("hausdorff_p", pa.float64(), "symmetric Hausdorff distance of P's outlines", OF_L_C),
+    _column("hausdorff_q", pa.float64(), "symmetric Hausdorff distance of Q's outlines", OF_L_C),
+    _column("mean_distance_p", pa.float64(), "mean distance of P's outlines", OF_L_C),
+    _column("mean_distance_q", pa.float64(), "mean distance of Q's outlines", OF_L_C),
+    _column("overlap_p", pa.float64(), "certificate: overlap of P's pieces", AREA),
+    _column("overlap_q", pa.float64(), "certificate: overlap of Q's pieces", AREA),
+    _column("gap_p", pa.float64(), "certificate: area that P's pieces leave open", AREA),
+    _column("gap_q", pa.float64(), "certificate: area that Q's pieces leave open", AREA),
+    _column("hinge_p", pa.float64(), "certificate: greatest distance at a hinge of P", AREA),
+    _column("hinge_q", pa.float64(), "certificate: greatest distance at a hinge of Q", AREA),
+)
+
+ERRORS = _schema(
+    "What went wrong, by item; the run went on.",
+    _column("item", pa.string(), "name of the item, or the two names of a pair"),
+    _column("stage", pa.string(), "where it failed"),
+    _column("key", pa.string(), "content key of the work item, empty before there is one"),
+    _column("type", pa.string(), "type of the error"),
+    _column("reason", pa.string(), "reason in one word, where there is one"),
+    _column("message", pa.string(), "what, where, and what to do"),
+    _column("attempts", pa.int32(), "how often it was tried", "count"),
+)
+
+TIMINGS = _schema(
+    "What each stage cost in this run.",
+    _column("stage", pa.string(), "stage"),
+    _column("items", pa.int64(), "work items", "count"),
+    _column("cached", pa.int64(), "found in the store", "count"),
+    _column("computed", pa.int64(), "computed now", "count"),
+    _column("failed", pa.int64(), "failed", "count"),
+    _column("blocked", pa.int64(), "not tried, an input had failed", "count"),
+    _column("seconds", pa.float64(), "wall time of this run", "s"),
+    _column("cpu_seconds", pa.float64(), "processor time of all workers in this run", "s"),
+    _column("stored_seconds", pa.float64(), "time that the stage's artifacts took when they were computed", "s"),
+    _column("peak_mb", pa.float64(), "greatest resident memory of one worker up to then", "MiB"),
+)
+
+SCHEMAS = {
+    "shapes": SHAPES,
+    "reversibility": REVERSIBILITY,
+    "trunks": TRUNKS,
+    "qcrs": QCRS,
+    "selected": SELECTED,
+    "crs": CRS,
+    "transforms": TRANSFORMS,
+    "errors": ERRORS,
+    "timings": TIMINGS,
+}
+"""Every table by name; ``qcrs`` is a folder, partitioned by block row, the others ``<name>.parquet``."""

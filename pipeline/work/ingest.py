@@ -1,0 +1,45 @@
+"""Ingest: pictures, vector files and sample definitions become shapes."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path, PurePath
+from typing import Any
+
+from pipeline.artifact import Artifact
+from pipeline.datasets import Item, open_item
+from pipeline.sample import PREFIX
+from pipeline.work.items import ErrorRow, attempt, pack_shapes
+from riot.parameters import ShapeParameters
+
+SOURCE = "{source}"
+"""Stands for the item's source in kept messages: where a collection lies is no part of its content."""
+
+
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Sequence[Item]) -> Artifact:
+    """One batch of items → `pipeline.work.items.pack_shapes` arrays, and a row for each failure."""
+    (settings,) = parameters
+    assert isinstance(settings, ShapeParameters)
+    errors: list[ErrorRow] = []
+    for item in spec:
+        _check_unchanged(item)
+    shapes = [
+        attempt(index, lambda item=item: open_item(item, settings), errors)  # type: ignore[misc]
+        for index, item in enumerate(spec)
+    ]
+    for row in errors:
+        row["message"] = _without_path(row["message"], str(spec[row["index"]].source))
+    return Artifact(pack_shapes(shapes), {"errors": errors})
+
+
+def _without_path(message: str, source: str) -> str:
+    return message.replace(source, SOURCE).replace(PurePath(source).name, SOURCE)
+
+
+def _check_unchanged(item: Item) -> None:
+    """Raise RuntimeError when a file is not what the plan was made of: its key would name something else."""
+    if item.source.startswith(PREFIX):
+        return
+    if hashlib.sha256(Path(item.source).read_bytes()).hexdigest() != item.digest:
+        raise RuntimeError(f"{item.name}: the file changed while the run went on; start the run again")

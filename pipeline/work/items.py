@@ -1,0 +1,115 @@
+"""What the per-shape stages share: shapes as ragged arrays, and failures as rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+from pipeline.artifact import AnyArray, Artifact
+from riot.errors import RiotError
+from riot.shape import Shape
+from riot.trunks import Trunks
+
+T = TypeVar("T")
+ErrorRow = dict[str, Any]
+
+
+def attempt(index: int, function: Callable[[], T], errors: list[ErrorRow]) -> T | None:
+    """Call ``function`` for the item ``index`` of a batch; a failure becomes a row in ``errors``, and None.
+
+    Errors of the machine (memory, files) are raised: they say nothing about the item and must not be kept.
+    """
+    try:
+        return function()
+    except (RiotError, ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
+        # Beside our own errors, the builtin ones that a deterministic function can end in: the same next time.
+        errors.append(error_row(index, error))
+        return None
+
+
+def error_row(index: int, error: BaseException) -> ErrorRow:
+    """A failure as plain values: index within the batch, type, reason (one word), message."""
+    reason = getattr(error, "reason", "") or ("unexpected" if not isinstance(error, RiotError) else "")
+    return {"index": index, "type": type(error).__name__, "reason": reason, "message": str(error)}
+
+
+def pack_shapes(shapes: Sequence[Shape | None]) -> dict[str, AnyArray]:
+    """Shapes as arrays: ``offsets`` (k+1,) int64 into ``points`` (M, 2) and ``feature`` (M,), ``to_source`` (k, 2, 3).
+
+    A missing shape has no points. Names are left out: they are no part of the geometry.
+    """
+    empty = Shape(np.empty((0, 2)), np.empty(0, dtype=bool))
+    present = [shape if shape is not None else empty for shape in shapes]
+    lengths = np.array([len(shape.points) for shape in present], dtype=np.int64)
+    return {
+        "offsets": np.concatenate([np.zeros(1, np.int64), np.cumsum(lengths)]),
+        "points": np.concatenate([shape.points for shape in present]) if present else np.empty((0, 2)),
+        "feature": np.concatenate([shape.feature for shape in present]) if present else np.empty(0, bool),
+        "to_source": np.stack([shape.to_source for shape in present]) if present else np.empty((0, 2, 3)),
+    }
+
+
+def unpack_shape(artifact: Artifact, index: int, name: str = "") -> Shape | None:
+    """The shape at ``index`` of a batch; None where ingest failed."""
+    arrays = artifact.arrays
+    low, high = int(arrays["offsets"][index]), int(arrays["offsets"][index + 1])
+    if low == high:
+        return None
+    # Copies: compiled kernels would compile a second time for read-only arrays.
+    return Shape(
+        np.array(arrays["points"][low:high]),
+        np.array(arrays["feature"][low:high]),
+        name,
+        np.array(arrays["to_source"][index]),
+    )
+
+
+def count_shapes(artifact: Artifact) -> int:
+    """Number of items of a batch, failed ones included."""
+    return len(artifact.arrays["offsets"]) - 1
+
+
+def expect_shape(artifact: Artifact, index: int, name: str = "") -> Shape:
+    """The shape at ``index``, known to exist; LookupError if the plan was wrong."""
+    shape = unpack_shape(artifact, index, name)
+    if shape is None:
+        raise LookupError(f"the batch holds no shape at {index}")
+    return shape
+
+
+def pack_trunks(stack: Sequence[Trunks | None]) -> dict[str, AnyArray]:
+    """Trunks of the shapes of a batch as arrays: ``trunk_offsets`` (k+1,) int64 into the concatenated `Trunks`."""
+    empty = _no_trunks()
+    present = [trunks if trunks is not None else empty for trunks in stack]
+    counts = np.array([len(trunks) for trunks in present], dtype=np.int64)
+    sizes = np.concatenate([np.empty(0, np.int64), *(np.diff(trunks.offsets) for trunks in present)])
+    arrays: dict[str, AnyArray] = {
+        "trunk_offsets": np.concatenate([np.zeros(1, np.int64), np.cumsum(counts)]),
+        "offsets": np.concatenate([np.zeros(1, np.int64), np.cumsum(sizes)]).astype(np.int64),
+    }
+    for name in empty.to_arrays():
+        if name != "offsets":
+            parts = [trunks.to_arrays()[name] for trunks in present]
+            arrays[name] = np.concatenate([empty.to_arrays()[name], *parts])
+    return arrays
+
+
+def unpack_trunks(artifact: Artifact, index: int) -> Trunks:
+    """The trunks of the shape at ``index`` of a batch; none where there is no shape."""
+    arrays = artifact.arrays
+    first, last = int(arrays["trunk_offsets"][index]), int(arrays["trunk_offsets"][index + 1])
+    offsets = np.array(arrays["offsets"][first : last + 1])
+    low, high = int(offsets[0]), int(offsets[-1])
+    picked = {
+        name: np.array(array[first:last] if name == "areas" else array[low:high])
+        for name, array in arrays.items()
+        if name in _no_trunks().to_arrays()
+    }
+    return Trunks.from_arrays({**picked, "offsets": offsets - low})
+
+
+def _no_trunks() -> Trunks:
+    none = np.empty(0)
+    return Trunks(np.zeros(1, np.int64), np.empty(0, np.int32), none, none, none, none)

@@ -1,0 +1,26 @@
+"""Quick cross-reversibility scores of one block: all pairs of two batches, or of one with itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pipeline.artifact import Artifact
+from pipeline.work.items import unpack_trunks
+from riot.quick import TrunkStack, score_block, stack
+
+COLUMNS = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
+
+
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: bool) -> Artifact:
+    """Trunks of one batch (``spec``: with itself) or of two → a row for each pair, i and j local to their batches."""
+    (settings,) = parameters
+    stacks = [_stack(batch) for batch in inputs]
+    scores = score_block(stacks[0], stacks[-1], settings, same=spec)
+    return Artifact({name: np.asarray(getattr(scores, name)) for name in COLUMNS})
+
+
+def _stack(batch: Artifact) -> TrunkStack:
+    return stack([unpack_trunks(batch, index) for index in range(len(batch.arrays["trunk_offsets"]) - 1)])

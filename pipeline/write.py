@@ -1,0 +1,295 @@
+"""Writing a run's tables from the store, batch by batch and block row by block row, in one deterministic form."""
+
+from __future__ import annotations
+
+import math
+import re
+import shutil
+import unicodedata
+import uuid
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pipeline import tables
+from pipeline.artifact import Artifact
+from pipeline.results import Results, Row
+from pipeline.store import TEMPORARY, write_atomically
+from pipeline.work.construct import DEFORMATION, RESIDUALS
+from pipeline.work.crs import unpack_scores
+from riot.cross import NO_SCORE, CrossScore
+from riot.polyline import edge_lengths
+
+TRANSFORMS = "transforms"
+NAME_LENGTH = 40
+
+
+def write_tables(results: Results, folder: Path) -> list[Path]:
+    """Write every table and the transforms' files into ``folder``; returns the files, sorted.
+
+    Each table is written beside its place and then renamed; those of an earlier run are replaced.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [
+        _write(folder, "shapes", _shapes(results)),
+        _write(folder, "reversibility", _reversibility(results)),
+        _write(folder, "trunks", _trunks(results)),
+        *_write_qcrs(results, folder),
+        _write(folder, "selected", [_rows(tables.SELECTED, _selected(results))]),
+        _write(folder, "crs", [_rows(tables.CRS, _crs(results))]),
+        *_write_transforms(results, folder),
+        _write(folder, "errors", [_rows(tables.ERRORS, results.errors)]),
+        _write(folder, "timings", [_rows(tables.TIMINGS, _timings(results))]),
+    ]
+    return sorted(written)
+
+
+def _write(folder: Path, name: str, batches: Iterable[pa.Table]) -> Path:
+    path = folder / f"{name}.parquet"
+    temporary = folder / f"{TEMPORARY}{uuid.uuid4().hex}"
+    _write_parquet(temporary, tables.SCHEMAS[name], batches)
+    return temporary.replace(path)
+
+
+def _write_parquet(path: Path, schema: pa.Schema, batches: Iterable[pa.Table]) -> None:
+    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+        for batch in batches:
+            writer.write_table(batch)
+
+
+def _rows(schema: pa.Schema, rows: Iterable[Row]) -> pa.Table:
+    return pa.Table.from_pylist(list(rows), schema=schema)
+
+
+def _columns(schema: pa.Schema, **columns: Any) -> pa.Table:
+    arrays = [pa.array(columns[field.name], type=field.type) for field in schema]
+    return pa.Table.from_arrays(arrays, schema=schema)
+
+
+def _shapes(results: Results) -> Iterator[pa.Table]:
+    plan = results.plan
+    for batch, ingest, trunks in zip(plan.batches, plan.ingest, plan.trunks, strict=True):
+        shapes, found = results.artifact(ingest), results.artifact(trunks)
+        if shapes is None:
+            continue
+        offsets = shapes.arrays["offsets"]
+        rows = []
+        for index, position in enumerate(batch):
+            low, high = int(offsets[index]), int(offsets[index + 1])
+            if low == high:
+                continue
+            points = shapes.arrays["points"][low:high]
+            width, height = np.ptp(points, axis=0)
+            item = plan.items[position]
+            rows.append(
+                {
+                    "shape": int(results.numbers[position]),
+                    "name": item.name,
+                    "class": item.cls,
+                    "source": results.source(item),
+                    "digest": item.digest,
+                    "points": high - low,
+                    "features": int(shapes.arrays["feature"][low:high].sum()),
+                    "sparse_points": None if found is None else int(found.arrays["sparse"][index]),
+                    "trunks": None if found is None else int(np.diff(found.arrays["trunk_offsets"])[index]),
+                    "perimeter": math.fsum(edge_lengths(np.asarray(points))),
+                    "width": float(width),
+                    "height": float(height),
+                }
+            )
+        yield _rows(tables.SHAPES, rows)
+
+
+def _reversibility(results: Results) -> Iterator[pa.Table]:
+    for batch, item in zip(results.plan.batches, results.plan.reversibility, strict=True):
+        artifact = results.artifact(item)
+        if artifact is None:
+            continue
+        numbers = results.numbers[batch.start : batch.stop]
+        keep = numbers >= 0
+        necks = np.diff(artifact.arrays["neck_offsets"])
+        columns = {name: artifact.arrays[name][keep] for name in ("score", "s1", "s2", "waist")}
+        yield _columns(tables.REVERSIBILITY, shape=numbers[keep], necks=necks[keep], **columns)
+
+
+def _trunks(results: Results) -> Iterator[pa.Table]:
+    for batch, item in zip(results.plan.batches, results.plan.trunks, strict=True):
+        artifact = results.artifact(item)
+        if artifact is None:
+            continue
+        arrays = artifact.arrays
+        counts = np.diff(arrays["trunk_offsets"])
+        offsets = arrays["offsets"]
+        total = len(arrays["areas"])
+        perimeters = np.add.reduceat(arrays["edges"], offsets[:-1]) if total else np.empty(0)
+        vertices = pa.ListArray.from_arrays(
+            pa.array(offsets, type=pa.int32()), pa.array(arrays["vertices"], type=pa.int32())
+        )
+        yield _columns(
+            tables.TRUNKS,
+            shape=np.repeat(results.numbers[batch.start : batch.stop], counts),
+            trunk=np.arange(total) - np.repeat(arrays["trunk_offsets"][:-1], counts),
+            n=np.diff(offsets),
+            area=arrays["areas"],
+            perimeter=perimeters,
+            vertices=vertices,
+        )
+
+
+def _write_qcrs(results: Results, folder: Path) -> list[Path]:
+    # A new folder that takes the old one's place, so that no part of an earlier run with more blocks stays.
+    temporary = folder / f"{TEMPORARY}{uuid.uuid4().hex}"
+    names = []
+    for a in range(len(results.plan.batches)):
+        name = Path(f"i_block={a:04d}") / "part-0.parquet"
+        (temporary / name).parent.mkdir(parents=True)
+        _write_parquet(temporary / name, tables.QCRS, [_block_row(results, a)])
+        names.append(name)
+    temporary.mkdir(exist_ok=True)
+    _replace_folder(temporary, folder / "qcrs")
+    return [folder / "qcrs" / name for name in names]
+
+
+def _block_row(results: Results, a: int) -> pa.Table:
+    """All pairs with the first shape in batch ``a``, ordered by i and j."""
+    names = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
+    parts: list[dict[str, Any]] = []
+    for b in range(a, len(results.plan.batches)):
+        artifact = results.artifact(results.plan.qcrs[a, b])
+        if artifact is None:
+            continue
+        part = {name: artifact.arrays[name] for name in names}
+        part["i"] = results.numbers[results.plan.batches[a].start + part["i"].astype(np.int64)]
+        part["j"] = results.numbers[results.plan.batches[b].start + part["j"].astype(np.int64)]
+        keep = (part["i"] >= 0) & (part["j"] >= 0)
+        parts.append({name: part[name][keep] for name in names})
+    if not parts:
+        return tables.QCRS.empty_table()
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in names}
+    order = np.lexsort((columns["j"], columns["i"]))
+    return _columns(tables.QCRS, **{name: column[order] for name, column in columns.items()})
+
+
+def _selected(results: Results) -> Iterator[Row]:
+    for rank, (pair, score) in enumerate(zip(results.pairs, results.qcrs, strict=True), start=1):
+        yield {"rank": rank, **_pair(results, pair), "qcrs": float(score)}
+
+
+def _crs(results: Results) -> Iterator[Row]:
+    for rank, item in enumerate(results.work["crs"], start=1):
+        artifact = results.artifact(item)
+        if artifact is None:
+            continue
+        best = _best_score(artifact)
+        yield {
+            "rank": rank,
+            **_pair(results, item.members),
+            **{name: getattr(best, name) for name in ("score", "s_edge", "s_angle", "s_area", "n", "evaluations")},
+            "trunk_i": best.trunk_a.tolist(),
+            "trunk_j": best.trunk_b.tolist(),
+            "trunks_i": artifact.document["trunks_p"],
+            "trunks_j": artifact.document["trunks_q"],
+        }
+
+
+def _best_score(artifact: Artifact) -> CrossScore:
+    scores = unpack_scores(artifact)
+    return scores[0] if scores else NO_SCORE
+
+
+def _write_transforms(results: Results, folder: Path) -> list[Path]:
+    temporary = folder / f"{TEMPORARY}{uuid.uuid4().hex}"
+    temporary.mkdir()
+    rows = _transform_rows(results)
+    files = []
+    for rank, row in enumerate(rows, start=1):
+        row["rank"] = rank
+        text = row.pop("riot")
+        row["file"] = ""
+        if text is not None:
+            name = f"{rank:04d}_{file_name(row['name_i'])}_{file_name(row['name_j'])}.riot"
+            write_atomically(temporary / name, text.encode())
+            row["file"] = f"{TRANSFORMS}/{name}"
+            files.append(folder / TRANSFORMS / name)
+    _replace_folder(temporary, folder / TRANSFORMS)
+    return [_write(folder, "transforms", [_rows(tables.TRANSFORMS, rows)]), *files]
+
+
+def _transform_rows(results: Results) -> list[Row]:
+    rows = []
+    for selected, (item, cross) in enumerate(zip(results.work["construct"], results.work["crs"], strict=True), start=1):
+        made, scored = results.artifact(item), results.artifact(cross)
+        if made is None or scored is None or made.document["status"] == "failed":
+            continue
+        document, best = made.document, _best_score(scored)
+        row: Row = {
+            "selected": selected,
+            **_pair(results, item.members),
+            **{name: document[name] for name in ("status", "reason", "message")},
+            "qcrs": float(results.qcrs[selected - 1]),
+            "crs": best.score,
+            **{name: getattr(best, name) for name in ("s_edge", "s_angle", "s_area")},
+            "n": document.get("n", best.n),
+            **{name: document.get(name) for name in DEFORMATION},
+            **{f"{name}_{side}": document.get(f"{name}_{side}") for name in ("bound", *RESIDUALS) for side in "pq"},
+            "riot": document.get("riot"),
+        }
+        if "iou_p" in document:
+            row["iou"] = min(document["iou_p"], document["iou_q"])
+        rows.append(row)
+    return sorted(rows, key=_least_deformed_first)
+
+
+def _least_deformed_first(row: Row) -> tuple[int, float, int]:
+    certified = row["status"] == "certified"
+    return (0 if certified else 1, -row["iou"] if certified else 0.0, row["selected"])
+
+
+def _timings(results: Results) -> Iterator[Row]:
+    for stage in results.stages:
+        yield {"stage": stage.stage, "items": stage.total} | {
+            name: getattr(stage, name)
+            for name in (
+                "cached",
+                "computed",
+                "failed",
+                "blocked",
+                "seconds",
+                "cpu_seconds",
+                "stored_seconds",
+                "peak_mb",
+            )
+        }
+
+
+def _pair(results: Results, members: tuple[int, ...]) -> Row:
+    p, q = members
+    first, second = results.plan.items[p], results.plan.items[q]
+    return {
+        "i": int(results.numbers[p]),
+        "j": int(results.numbers[q]),
+        "name_i": first.name,
+        "name_j": second.name,
+        "class_i": first.cls,
+        "class_j": second.cls,
+    }
+
+
+def file_name(name: str) -> str:
+    """A name as part of a file's name: ASCII letters, digits, dots and dashes, not too long, never empty."""
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    return re.sub(r"[^A-Za-z0-9.-]+", "-", plain)[:NAME_LENGTH].strip("-.") or "shape"
+
+
+def _replace_folder(temporary: Path, target: Path) -> None:
+    if target.exists():
+        old = target.with_name(f"{TEMPORARY}{uuid.uuid4().hex}")
+        target.replace(old)
+        temporary.replace(target)
+        shutil.rmtree(old)
+    else:
+        temporary.replace(target)
