@@ -99,3 +99,23 @@ class CrsParameters:
     sigma_area: float = 0.3
     lines: int = 128
     """Scanlines of the area term (ours)."""
+
+
+@dataclass(frozen=True)
+class ConstructParameters:
+    """Exact construction (theory §7, §8; all ours)."""
+
+    candidates: int = 16
+    """Trunk pairs tried for a pair of shapes, best CRS first."""
+    spacing: float = 400.0
+    """Mesh of the partition: points ``L_c / spacing`` apart."""
+    tolerance: float = 0.02
+    """The dissection's arcs are simplified by Douglas–Peucker to this many mesh spacings."""
+    max_cut_off: float = 0.01
+    """Greatest area of cells' parts that are cut off from their trunk edge and go to a neighbour."""
+    max_lost_contact: float = 0.3
+    """Greatest share of a trunk edge that other pieces may cover."""
+    snap: float = 0.1
+    """Given trunk vertices may lie this far from the outline, in units of ``D_c``."""
+    lines: int = 512
+    """Scanlines of the IoU bound."""

@@ -1,0 +1,192 @@
+"""The exact construction: conjugate trunks, arcs swung in, both trunks partitioned, pieces cut (theory §7, §8)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from riot.construct.conjugate import is_convex, make_conjugate
+from riot.construct.mesh import mesh_convex
+from riot.construct.partition import label_cells
+from riot.construct.tree import cell_paths, dissection_tree
+from riot.errors import ConstructionError
+from riot.kernels.coverage import swung_arcs, uncovered
+from riot.kernels.distances import signed_distances
+from riot.parameters import L_C, ConstructParameters
+from riot.pose import Placement, rotate
+from riot.shape import FloatArray, IntArray, Shape
+from riot.transform import Piece, Transform
+
+NUDGE = 1e-9
+"""How far towards the trunk's middle, as a share of the way, mesh points are moved to tell inside from outside."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrunkPair:
+    """Corresponding trunks of two outlines.
+
+    Parameters
+    ----------
+    p, q : Shape
+        The inputs.
+    outline_p, outline_q : (m, 2) float64
+        Their outlines, with the trunk vertices among the points.
+    trunk_p, trunk_q : (n,) int64
+        Trunk vertices among those points, in corresponding order: counter-clockwise on P, clockwise on Q.
+    """
+
+    p: Shape
+    q: Shape
+    outline_p: FloatArray
+    outline_q: FloatArray
+    trunk_p: IntArray
+    trunk_q: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A trunk pair made conjugate, with the arcs of either outline swung into the other's trunk.
+
+    ``trunk_p``, ``trunk_q`` (n, 2) are conjugate, in corresponding order. ``arcs_p`` (s, 2) with ``offsets_p`` (n + 1,): P's
+    arcs in Q's trunk, arc i from corner i to corner i + 1 of ``trunk_q``; ``arcs_q``: Q's arcs in P's trunk, arc i from corner n
+    − i to corner n − 1 − i of ``trunk_p`` (mod n). The bounds are of the IoU of P and of Q.
+    """
+
+    pair: TrunkPair
+    trunk_p: FloatArray
+    trunk_q: FloatArray
+    arcs_p: FloatArray
+    offsets_p: IntArray
+    arcs_q: FloatArray
+    offsets_q: IntArray
+    bound_p: float
+    bound_q: float
+
+    @property
+    def bound(self) -> float:
+        """Of the worse shape."""
+        return min(self.bound_p, self.bound_q)
+
+
+def plan_pair(pair: TrunkPair, parameters: ConstructParameters) -> Plan:
+    """Make the trunks conjugate, swing the arcs in, and bound the IoU; ConstructionError if the trunks fail."""
+    corners_p, corners_q = pair.outline_p[pair.trunk_p], pair.outline_q[pair.trunk_q]
+    for name, trunk in (("P", corners_p), ("Q", corners_q[::-1])):
+        if not is_convex(trunk):
+            raise ConstructionError("not-convex", f"the trunk of {name} is not convex")
+    trunk_p, trunk_q = make_conjugate(corners_p, corners_q)
+    arcs_p, offsets_p = _swing(pair.outline_p, pair.trunk_p, trunk_q)
+    arcs_q, offsets_q = _swing(pair.outline_q, pair.trunk_q[::-1], trunk_p[::-1])
+    return Plan(
+        pair,
+        trunk_p,
+        trunk_q,
+        arcs_p,
+        offsets_p,
+        arcs_q,
+        offsets_q,
+        _bound(trunk_q, arcs_p, offsets_p, parameters.lines),
+        _bound(trunk_p, arcs_q, offsets_q, parameters.lines),
+    )
+
+
+def construct_plan(plan: Plan, parameters: ConstructParameters) -> Transform:
+    """Partition both trunks and cut the pieces; ConstructionError with the reason if a partition fails."""
+    # A dissection is made in a counter-clockwise trunk, region k on the edge from corner k to corner k + 1.
+    lower = _dissect(plan.trunk_q[::-1], _reverse_arcs(plan.arcs_p, plan.offsets_p), parameters, "Q's trunk")
+    upper = _dissect(plan.trunk_p, _reverse_arcs(plan.arcs_q, plan.offsets_q), parameters, "P's trunk")
+    n = len(plan.trunk_p)
+    lengths = 0.5 * (_edge_lengths(plan.trunk_p) + _edge_lengths(plan.trunk_q))
+    pieces = []
+    for i in range(n):
+        # Corner i + 1 of Q's trunk in corresponding order is corner n − 2 − i of it read backwards.
+        below = lower[(n - 2 - i) % n][::-1]
+        above = upper[i][::-1]
+        pieces.append(
+            Piece(
+                float(lengths[i]),
+                _in_piece_frame(below, plan.trunk_q[i], plan.trunk_q[(i + 1) % n], float(lengths[i])),
+                _in_piece_frame(above, plan.trunk_p[i], plan.trunk_p[(i + 1) % n], float(lengths[i])),
+            )
+        )
+    return Transform(
+        pieces=tuple(pieces),
+        angles=_trunk_angles(plan.trunk_p),
+        conjugate_angles=_trunk_angles(plan.trunk_q[::-1])[::-1].copy(),
+        place_p=_placement(plan.trunk_p),
+        place_q=_placement(plan.trunk_q),
+        p=plan.pair.p,
+        q=plan.pair.q,
+        trunk_p=plan.pair.outline_p[plan.pair.trunk_p],
+        trunk_q=plan.pair.outline_q[plan.pair.trunk_q],
+        bound_p=plan.bound_p,
+        bound_q=plan.bound_q,
+    )
+
+
+def _swing(outline: FloatArray, trunk: IntArray, target: FloatArray) -> tuple[FloatArray, IntArray]:
+    n = len(trunk)
+    out, offsets = np.empty((len(outline) + n, 2)), np.empty(n + 1, dtype=np.int64)
+    total = swung_arcs(outline, np.ascontiguousarray(trunk), np.ascontiguousarray(target), out, offsets)
+    return out[:total], offsets
+
+
+def _bound(target: FloatArray, arcs: FloatArray, offsets: IntArray, lines: int) -> float:
+    gaps, overlaps, outside = uncovered(np.ascontiguousarray(target), arcs, offsets, lines)
+    return float((1.0 - overlaps - outside) / (1.0 + gaps))
+
+
+def _reverse_arcs(arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntArray]:
+    """The arcs in opposite order, each read backwards: what runs clockwise around a trunk then runs counter-clockwise."""
+    total = offsets[-1]
+    return np.ascontiguousarray(arcs[::-1]), (total - offsets[::-1]).astype(np.int64)
+
+
+def _dissect(
+    trunk: FloatArray, arcs: tuple[FloatArray, IntArray], parameters: ConstructParameters, where: str
+) -> list[FloatArray]:
+    """Paths of the dissection tree, one per edge of a counter-clockwise trunk, from its corner k to corner k + 1.
+
+    ``arcs`` run around the trunk counter-clockwise; arc 0 may belong to any edge, its first point tells which.
+    """
+    spacing = L_C / parameters.spacing
+    mesh = mesh_convex(trunk, spacing)
+    points, offsets = arcs
+    first = int(np.argmin(((points[offsets[:-1]] - trunk[0]) ** 2).sum(axis=1)))
+    order = (first + np.arange(len(trunk))) % len(trunk)
+    # On a trunk edge itself a region neither begins nor ends: look from just inside.
+    inside = mesh.points + NUDGE * (trunk.mean(axis=0) - mesh.points)
+    distances = signed_distances(inside, points, offsets)[:, order]
+    try:
+        cells = label_cells(mesh, distances, parameters)
+        return cell_paths(cells, dissection_tree(cells, parameters.tolerance * spacing))
+    except ConstructionError as error:
+        raise ConstructionError(error.reason, f"in {where}: {error}") from None
+
+
+def _in_piece_frame(path: FloatArray, start: FloatArray, stop: FloatArray, length: float) -> FloatArray:
+    """Move a path from ``start`` to ``stop``, or back, so that these lie at (0, 0) and (length, 0), exactly."""
+    edge = stop - start
+    moved = rotate(path - start, -math.atan2(edge[1], edge[0]))
+    ends = np.array([[0.0, 0.0], [length, 0.0]])
+    forwards = abs(moved[0, 0]) < 0.5 * length
+    moved[0], moved[-1] = (ends[0], ends[1]) if forwards else (ends[1], ends[0])
+    return moved
+
+
+def _edge_lengths(trunk: FloatArray) -> FloatArray:
+    return np.hypot(*(np.roll(trunk, -1, axis=0) - trunk).T)
+
+
+def _trunk_angles(trunk: FloatArray) -> FloatArray:
+    ahead = np.roll(trunk, -1, axis=0) - trunk
+    behind = np.roll(trunk, 1, axis=0) - trunk
+    cross = ahead[:, 0] * behind[:, 1] - ahead[:, 1] * behind[:, 0]
+    return np.arctan2(cross, (ahead * behind).sum(axis=1))
+
+
+def _placement(trunk: FloatArray) -> Placement:
+    edge = trunk[1] - trunk[0]
+    return Placement(float(trunk[0, 0]), float(trunk[0, 1]), math.atan2(edge[1], edge[0]))
