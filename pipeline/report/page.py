@@ -35,8 +35,8 @@ def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str
         f'<title>{escape(name)} · reversible transforms</title><link rel="icon" href="{ICON}">\n'
         f"<style>{style_sheet()}</style></head>\n<body>\n"
         f'<svg width="0" height="0" style="position:absolute" aria-hidden="true">{pieces}</svg>\n'
-        f"{_top(run, name)}<main>\n{_gallery(run, cards)}{_best(run)}{_scores(run)}{_timings(run)}"
-        f"{_rejected(run, lost)}{_errors(run)}{_settings(run)}</main>\n"
+        f"{_top(run, name)}<main>\n{_gallery(run, cards)}{_best(run, {row.rank for row, _ in lost})}"
+        f"{_scores(run)}{_timings(run)}{_rejected(run, lost)}{_errors(run)}{_settings(run)}</main>\n"
         "<footer>Written from the tables beside this page; it needs no network and no script.</footer>\n"
         "</body></html>\n"
     )
@@ -92,7 +92,7 @@ def _gallery(run: Run, cards: Sequence[Card]) -> str:
     return section("gallery", "Gallery", body, note)
 
 
-def _best(run: Run) -> str:
+def _best(run: Run, lost: set[int]) -> str:
     if not run.certified:
         return section("best", "Best pairs", '<p class="empty">There are none.</p>')
     head = ("", "pair", "n", "IoU", "IoU P", "IoU Q", "CRS", "QCRS", "Hausdorff / L<sub>c</sub>")
@@ -100,7 +100,9 @@ def _best(run: Run) -> str:
 
     def cells(row: TransformRow) -> list[str]:
         far = max(row.hausdorff_p, row.hausdorff_q)
-        names = f'<a href="#t{row.rank}">{escape(row.name_p)} ⇄ {escape(row.name_q)}</a>'
+        names = f"{escape(row.name_p)} ⇄ {escape(row.name_q)}"
+        if row.rank not in lost:
+            names = f'<a href="#t{row.rank}">{names}</a>'
         values = (row.iou, row.iou_p, row.iou_q, row.crs, row.qcrs, far)
         return [str(row.rank), names, str(row.n), *(number(value) for value in values)]
 

@@ -13,6 +13,7 @@ import numpy as np
 import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 
+from pipeline import tables
 from pipeline.report.histogram import Distribution, distribution
 from riot.errors import RiotError
 from riot.shape import FloatArray
@@ -116,7 +117,7 @@ def read_run(folder: Path) -> Run:
     lonely = [0]
 
     def scores() -> Iterator[FloatArray]:
-        for batch in ds.dataset(folder / "qcrs", format="parquet").to_batches(columns=["score", "n"]):
+        for batch in ds.dataset(folder / "qcrs", tables.QCRS, format="parquet").to_batches(columns=["score", "n"]):
             lonely[0] += int((batch.column("n").to_numpy() == 0).sum())
             yield batch.column("score").to_numpy()
 

@@ -1,0 +1,224 @@
+"""The report of an invented run: complete, self-contained, escaped, and the same every time."""
+
+import re
+import shutil
+import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
+
+import fake_run
+import numpy as np
+import pytest
+
+from pipeline import tables
+from pipeline.report import write_report
+from pipeline.report.histogram import CELLS, distribution
+from pipeline.report.rows import ReportError, read_run
+from riot.draw.palette import hue
+
+VOID = {"meta", "link", "br", "hr", "img", "input"}
+
+
+class Page(HTMLParser):
+    """Elements with their attributes, and whether every tag is closed in order; SVG elements must be, too."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.stack, self.elements, self.text = [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs), tuple(self.stack)))
+        if tag not in VOID:
+            self.stack.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs), tuple(self.stack)))
+
+    def handle_endtag(self, tag):
+        assert self.stack and self.stack.pop() == tag, f"</{tag}> closes nothing"
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+    def all(self, tag, **wanted):
+        return [attrs for name, attrs, _ in self.elements if name == tag and wanted.items() <= attrs.items()]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("outputs") / "fake"
+    folder.mkdir()
+    made = fake_run.write_fake_run(folder)
+    return folder, made, write_report(folder).read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def parsed(run):
+    return Page(run[2])
+
+
+def cards(text):
+    return re.findall(r'<article class="card".*?</article>', text, flags=re.DOTALL)
+
+
+def test_is_well_formed(parsed):
+    assert not parsed.stack
+    ids = [attrs["id"] for _, attrs, _ in parsed.elements if "id" in attrs]
+    assert len(ids) == len(set(ids))
+
+
+def test_needs_nothing_but_itself(parsed, run):
+    assert {tag for tag, _, _ in parsed.elements}.isdisjoint({"script", "img", "iframe", "object", "embed", "image"})
+    ids = {f"#{attrs['id']}" for _, attrs, _ in parsed.elements if "id" in attrs}
+    for tag, attrs, _ in parsed.elements:
+        assert not any(name.startswith("on") for name in attrs), attrs
+        for name in ("href", "src", "xlink:href"):
+            if name in attrs:
+                assert attrs[name] in ids or (tag == "link" and attrs[name].startswith("data:image/svg+xml,"))
+    style = "".join(re.findall("<style>(.*?)</style>", run[2], flags=re.DOTALL))
+    assert "url(" not in style and "@import" not in style
+
+
+def test_is_the_same_every_time_and_everywhere(run, tmp_path):
+    folder, _, text = run
+    assert write_report(folder).read_text(encoding="utf-8") == text
+    elsewhere = tmp_path / "another place" / folder.name
+    shutil.copytree(folder, elsewhere)
+    assert write_report(elsewhere).read_text(encoding="utf-8") == text
+    assert not [path for path in folder.iterdir() if path.name.startswith(".")]
+
+
+def test_every_transform_has_its_pictures(run):
+    _, made, text = run
+    found = cards(text)
+    assert len(found) == len(made)
+    for one, transform in zip(found, made, strict=True):
+        n = len(transform)
+        root = ET.fromstring(one)
+        pictures = root.findall(".//svg")
+        assert len(pictures) == 8  # two inputs, two results, two dissections, the swing, the chain
+        uses = [len(picture.findall(".//use")) for picture in pictures]
+        assert sorted(uses) == [0, 0, 0, 0, n, n, n, 2 * n]  # the swing moves all pieces, and holds a still picture
+        assert all(picture.find("title").text for picture in pictures)
+        assert len(one.encode()) < 60_000
+
+
+def test_a_piece_has_one_colour_on_the_whole_page(run, parsed):
+    _, made, text = run
+    for one, transform in zip(cards(text), made, strict=True):
+        n = len(transform)
+        uses = [use.get("href") for use in ET.fromstring(one).iter("use")]
+        (prefix,) = {use.rsplit("-", 1)[0] for use in uses}
+        for k in range(n):
+            assert uses.count(f"{prefix}-{k}") == 5
+            defined = re.search(f'<g id="{prefix[1:]}-{k}"><path class="([^"]+)"', text)
+            assert defined.group(1) == f"r-piece{hue(k, n)}"
+        edges = re.findall(r'class="r-edge(\d)"', one)
+        assert sorted(edges) == sorted(str(hue(k, n)) for k in range(n)) * 2 or len(edges) == 2 * n
+    assert len(parsed.all("g", **{"class": "r-move"})) == len(made)
+
+
+def test_both_shapes_of_a_card_are_drawn_to_one_scale(run):
+    for one in cards(run[2]):
+        panels = ET.fromstring(one).find(".//div[@class='panels']")
+        sizes = {tuple(svg.get("viewBox").split()[2:]) for svg in panels.iter("svg")}
+        wide, high = ({int(size[axis]) for size in sizes} for axis in (0, 1))
+        assert max(wide) - min(wide) <= 1 and max(high) - min(high) <= 1  # rounding of the corner
+
+
+def test_numbers_are_those_of_the_tables(run):
+    folder, _, text = run
+    for one, row in zip(cards(text), read_run(folder).certified, strict=True):
+        shown = "".join(ET.fromstring(one).find("dl").itertext())
+        for value in (row.qcrs, row.crs, row.s_area, row.iou_p, row.bound_q, row.hausdorff_p):
+            assert f"{value:.3f}" in shown
+        assert f"IoU {row.iou:.3f}" in "".join(ET.fromstring(one).find("header").itertext())
+
+
+def test_names_of_shapes_are_text(run, parsed):
+    shown = "".join(parsed.text)
+    for name in ("Tête & <b>'loup'</b>", 'qu"ote-é', "</script><svg onload=1>", "bad & <0>.png", "fake & <small>"):
+        assert name in shown
+    assert "cell 2 of <T> falls apart" in shown
+    assert not re.search("[\x00-\x08\x0e-\x1f\x7f]", run[2])
+
+
+def test_links_lead_to_cards(parsed, run):
+    thumbs = parsed.all("a", **{"class": "thumb"})
+    assert [one["href"] for one in thumbs] == [f"#t{k + 1}" for k in range(len(run[1]))]
+
+
+def test_histograms_count_everything(run):
+    folder, _, text = run
+    found = read_run(folder)
+    assert (found.pairs, found.pairs_without_trunks, found.shapes, found.classes) == (780, 1, 40, 5)
+    for plot in re.findall(r'<figure class="plot">.*?</figure>', text, flags=re.DOTALL):
+        root = ET.fromstring(plot)
+        total = int(re.search(r": (\d+) ", root.find("svg/title").text).group(1))
+        bars = [int(re.search(r": (\d+) ", bar.find("title").text).group(1)) for bar in root.iter("rect")]
+        assert sum(bars) == total > 0
+
+
+def test_a_distribution_does_not_depend_on_how_it_arrives():
+    values = np.random.default_rng(3).beta(2, 5, 10_001)
+    values[:2] = 0.0, 1.0
+    whole = distribution([values])
+    parts = distribution([np.append(part, np.nan) for part in np.array_split(values, 13)])
+    assert np.array_equal(whole.cells, parts.cells)
+    assert whole.total == len(values)
+    for share in (0.01, 0.5, 0.9, 0.999):
+        assert whole.quantile(share) == pytest.approx(np.quantile(values, share), abs=2 / CELLS)
+    assert (whole.least, whole.greatest) == (0.0, 1.0)
+    assert np.isnan(distribution([]).quantile(0.5))
+
+
+def test_a_run_that_found_nothing_has_a_report(tmp_path):
+    fake_run.write_fake_run(tmp_path, made=[], rejected=0, errors=0)
+    for name in ("reversibility", "shapes"):
+        fake_run.write_table(tmp_path, name, [])
+    shutil.rmtree(tmp_path / "qcrs")
+    fake_run.write(tmp_path / "qcrs" / "i_block=0000" / "part-0.parquet", tables.QCRS, [])
+    page = Page(write_report(tmp_path).read_text(encoding="utf-8"))
+    shown = "".join(page.text)
+    assert "No transform was constructed" in shown and "No construction was rejected" in shown
+    assert not page.all("article")
+
+
+def test_an_empty_qcrs_folder_is_a_run_without_pairs(tmp_path):
+    fake_run.write_fake_run(tmp_path, made=[])
+    shutil.rmtree(tmp_path / "qcrs")
+    (tmp_path / "qcrs").mkdir()
+    assert read_run(tmp_path).pairs == 0
+    write_report(tmp_path)
+
+
+def test_a_lost_transform_does_not_stop_the_report(tmp_path):
+    fake_run.write_fake_run(tmp_path, made=fake_run.transforms(3))
+    files = sorted((tmp_path / "transforms").iterdir())
+    files[0].unlink()
+    files[1].write_text('{"format": "riot-transform", "version": 99}')
+    text = write_report(tmp_path).read_text(encoding="utf-8")
+    page = Page(text)
+    assert len(cards(text)) == 1
+    shown = "".join(page.text)
+    assert f"transforms/{files[0].name} is gone" in shown and "has version 99" in shown
+    assert str(tmp_path) not in text
+    assert not {link["href"] for link in page.all("a")} & {"#t1", "#t2"}
+
+
+def test_many_errors_are_cut_and_counted(tmp_path):
+    fake_run.write_fake_run(tmp_path, made=[], errors=230)
+    shown = "".join(Page(write_report(tmp_path).read_text(encoding="utf-8")).text)
+    assert "30 more are in errors.parquet" in shown
+    assert "bad <199>" in shown and "bad <200>" not in shown
+
+
+@pytest.mark.parametrize("name", ["run.json", "crs.parquet"])
+def test_an_unfinished_run_is_named(tmp_path, name):
+    fake_run.write_fake_run(tmp_path, made=[])
+    (tmp_path / name).unlink()
+    with pytest.raises(ReportError, match=re.escape(name)) as caught:
+        write_report(tmp_path)
+    assert isinstance(caught.value, FileNotFoundError)
+    assert not (tmp_path / "report.html").exists()
