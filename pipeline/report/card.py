@@ -63,7 +63,7 @@ def card(row: TransformRow, transform: Transform) -> Card:
         f"The chain of {len(drawn)} pieces laid straight: {row.name_p} below, {row.name_q} above",
         box, _pen(box, CHAIN_PENS), (), chain,
     )  # fmt: skip
-    swing = swing_of(transform, prefix)
+    swing = swing_of(transform, prefix, hinge)
     body = (
         f'<article class="card" id="t{row.rank}" aria-labelledby="h{row.rank}">'
         f'<header><span class="rank">{row.rank}</span><h3 id="h{row.rank}">{_names(row)}</h3>'

@@ -50,14 +50,13 @@ def animate_svg(transform: Transform) -> str:
     hinge rings. Pieces may overlap on the way: the hinge that makes them overlap least is the open one.
     """
     prefix = naming(sketch(transform).pieces)
-    swing = swing_of(transform, prefix)
+    swing = swing_of(transform, prefix, quiet_hinge(transform))
     return whole(swing.scene, swing.body, prefix, style=MOTION_STYLE)
 
 
-def swing_of(transform: Transform, prefix: str) -> Swing:
-    """The animation for pieces defined under ``prefix`` (see `riot.draw.svg.definitions`)."""
+def swing_of(transform: Transform, prefix: str, hinge: int) -> Swing:
+    """The animation, open at ``hinge``, for pieces defined under ``prefix`` (see `riot.draw.svg.definitions`)."""
     drawn = sketch(transform)
-    hinge = quiet_hinge(transform)
     there = [drawn.pose(t, hinge) for t in eased(FRAMES)]
     poses = there[:1] * (REST // 2) + there + there[-1:] * REST + there[-2:0:-1] + there[:1] * (REST // 2)
     # The path between two key frames leaves the frames' own box by the height of an arc of a few degrees.
