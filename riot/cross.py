@@ -6,13 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from riot.kernels.candidates import cheap_bounds
 from riot.kernels.coverage import area_terms
-from riot.kernels.qcrs import mirrored
+from riot.kernels.pairs import Sigmas, cheap_bounds, mirrored
 from riot.parameters import D_C, CrsParameters
-from riot.quick import corresponding
+from riot.quick import corresponding, mirrored_side, side, stack
 from riot.shape import FloatArray, IntArray, Shape
 from riot.trunks import Trunks, full_trunks
 
@@ -21,6 +19,9 @@ FIRST_LIMIT = 1.0
 
 CHUNK = 16
 """Candidates whose area terms are evaluated at once."""
+
+FIRST_ROOM = 4096
+"""Candidates for which room is made at first."""
 
 AREA_SLACK = 2e-3
 """By how much the scanlines' area term may be off; the cheap bound of the area term is lowered by it."""
@@ -109,45 +110,20 @@ def best_trunk_pairs(
 def _candidates(
     a: Shape, b: Shape, trunks_a: Trunks, trunks_b: Trunks, parameters: CrsParameters, limit: float
 ) -> tuple[FloatArray, FloatArray, IntArray]:
-    side_a = _side(a, trunks_a)
-    side_b = _side(b, trunks_b)
-    sizes, offsets, edges, alphas, betas, pieces, areas = side_b
-    edges, alphas, betas = mirrored(offsets, edges, alphas, betas)
+    side_a, side_b = side(stack([trunks_a])), mirrored_side(stack([trunks_b]))
+    pieces_a, pieces_b = piece_areas(a, trunks_a), piece_areas(b, trunks_b)
     # Pieces belong to edges, so they are listed as the edges are.
-    pieces = mirrored(offsets, pieces, pieces, pieces)[0]
-    room = 4096
+    pieces_b = mirrored(trunks_b.offsets, pieces_b, pieces_b, pieces_b)[0]
+    sigmas = Sigmas(parameters.sigma_e * D_C, parameters.sigma_angle, parameters.sigma_area)
+    room = FIRST_ROOM
     while True:
-        found = np.empty((room, 2))
-        which = np.empty((room, 3), dtype=np.int64)
-        total = cheap_bounds(
-            *side_a,
-            *(sizes, offsets, edges, alphas, betas, pieces, areas),
-            parameters.sigma_e * D_C,
-            parameters.sigma_angle,
-            parameters.sigma_area,
-            AREA_SLACK,
-            limit,
-            found,
-            which,
-        )
+        found, which = np.empty((room, 2)), np.empty((room, 3), dtype=np.int64)
+        total = cheap_bounds(side_a, pieces_a, side_b, pieces_b, sigmas, AREA_SLACK, limit, found, which)
         if total <= room:
             break
         room = total
-    found, which = found[:total], which[:total]
-    order = np.argsort(found[:, 0], kind="stable")
+    order = np.argsort(found[:total, 0], kind="stable")
     return found[order, 0], found[order, 1], which[order]
-
-
-def _side(shape: Shape, trunks: Trunks) -> tuple[npt.NDArray[np.generic], ...]:
-    return (
-        trunks.sizes,
-        trunks.offsets,
-        trunks.edges,
-        trunks.alphas,
-        trunks.betas,
-        piece_areas(shape, trunks),
-        trunks.areas,
-    )
 
 
 def piece_areas(shape: Shape, trunks: Trunks) -> FloatArray:

@@ -22,6 +22,12 @@ class Placement:
     y: float
     heading: float
 
+    @classmethod
+    def of(cls, trunk: FloatArray) -> Placement:
+        """Of the piece on the first edge of a trunk (n, 2)."""
+        edge = trunk[1] - trunk[0]
+        return cls(float(trunk[0, 0]), float(trunk[0, 1]), math.atan2(edge[1], edge[0]))
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:
@@ -43,7 +49,8 @@ class Pose:
 
     def place(self, piece: int, points: FloatArray) -> FloatArray:
         """Map (k, 2) points of a piece's frame to where this pose has them."""
-        return rotate(points, float(self.headings[piece])) + self.origins[piece]
+        placed: FloatArray = rotate(points, float(self.headings[piece])) + self.origins[piece]
+        return placed
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +63,15 @@ class Chain:
 
     def turns(self, t: float) -> FloatArray:
         """(n,) turn at every hinge at time t, radians, counter-clockwise positive."""
-        return (1.0 - t) * (math.pi - self.angles) - t * (math.pi - self.conjugate_angles)
+        turns: FloatArray = (1.0 - t) * (math.pi - self.angles) - t * (math.pi - self.conjugate_angles)
+        return turns
 
 
 def rotate(points: FloatArray, angle: float) -> FloatArray:
     """Turn (k, 2) points about the origin, counter-clockwise, by ``angle`` radians."""
     c, s = math.cos(angle), math.sin(angle)
-    return points @ np.array([[c, s], [-s, c]])
+    turned: FloatArray = points @ np.array([[c, s], [-s, c]])
+    return turned
 
 
 def direction(heading: float) -> FloatArray:
@@ -114,4 +123,5 @@ def _middle(chain: Chain, pose: Pose) -> FloatArray:
 
 def _middle_when_placed(chain: Chain, pose: Pose, turn: float, place: Placement) -> FloatArray:
     turned = _turned(pose, turn)
-    return _middle(chain, turned) - turned.origins[0] + np.array([place.x, place.y])
+    middle: FloatArray = _middle(chain, turned) - turned.origins[0] + np.array([place.x, place.y])
+    return middle

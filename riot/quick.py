@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from riot.kernels import qcrs as kernels
+from riot.kernels.pairs import Side, Sigmas, block, brute_block, mirrored
 from riot.parameters import D_C, QcrsParameters, TrunkParameters
 from riot.shape import FloatArray, IntArray, Shape
 from riot.trunks import Trunks, quick_trunks
@@ -106,14 +106,14 @@ def score_block(
 
     Pairs come in order (i, j). Among trunk pairs of equal score the first by (trunk_i, trunk_j, shift) is reported.
     """
-    return _score(a, b, parameters or QcrsParameters(), same, brute=False)
+    return _score(a, b, parameters or QcrsParameters(), same, block)
 
 
 def brute_force(
     a: TrunkStack, b: TrunkStack, parameters: QcrsParameters | None = None, same: bool = False
 ) -> BlockScores:
     """The same as `score_block` without pruning: the reference of its tests and benchmarks."""
-    return _score(a, b, parameters or QcrsParameters(), same, brute=True)
+    return _score(a, b, parameters or QcrsParameters(), same, brute_block)
 
 
 def qcrs(
@@ -141,22 +141,15 @@ def corresponding(trunk_b: npt.NDArray[Any], shift: int) -> npt.NDArray[Any]:
     return trunk_b[(shift - np.arange(n)) % n]
 
 
-def _score(a: TrunkStack, b: TrunkStack, parameters: QcrsParameters, same: bool, brute: bool) -> BlockScores:
+def _score(
+    a: TrunkStack, b: TrunkStack, parameters: QcrsParameters, same: bool, kernel: Callable[..., None]
+) -> BlockScores:
     i, j = np.triu_indices(len(a), 1) if same else np.indices((len(a), len(b))).reshape(2, -1)
     distance = np.empty(len(i))
     winners = np.empty((len(i), 3), dtype=np.int32)
-    kernels.block(
-        np.stack([i, j], axis=1).astype(np.int64),
-        *_side(a, mirrored=False),
-        *_side(b, mirrored=True),
-        parameters.sigma_e * D_C,
-        parameters.sigma_angle,
-        parameters.sigma_area,
-        FIRST_LIMIT,
-        brute,
-        distance,
-        winners,
-    )
+    sigmas = Sigmas(parameters.sigma_e * D_C, parameters.sigma_angle, parameters.sigma_area)
+    pairs = np.stack([i, j], axis=1).astype(np.int64)
+    kernel(pairs, side(a), mirrored_side(b), sigmas, FIRST_LIMIT, distance, winners)
     sizes = np.append(np.diff(a.offsets), 0)  # the last stands for "none"
     trunk = np.where(winners[:, 0] >= 0, a.starts[i] + winners[:, 0], len(sizes) - 1)
     return BlockScores(
@@ -170,23 +163,19 @@ def _score(a: TrunkStack, b: TrunkStack, parameters: QcrsParameters, same: bool,
     )
 
 
-def _side(trunks: TrunkStack, mirrored: bool) -> tuple[npt.NDArray[Any], ...]:
-    """The arrays of one side, as `riot.kernels.qcrs` wants them."""
+def side(trunks: TrunkStack) -> Side:
+    """P's side of the kernels."""
     sizes = np.diff(trunks.offsets)
     trunk = np.repeat(np.arange(len(sizes)), sizes)
-    perimeters = np.bincount(trunk, trunks.edges, len(sizes))
-    beta_sums = np.bincount(trunk, trunks.betas, len(sizes))
-    ranked = trunks.edges[np.lexsort([trunks.edges, trunk])]
+    perimeters = np.bincount(trunk, weights=trunks.edges, minlength=len(sizes)).astype(np.float64)
+    beta_sums = np.bincount(trunk, weights=trunks.betas, minlength=len(sizes))
+    spreads: FloatArray = np.abs(beta_sums - (sizes - 2) * math.pi)
+    ranked: FloatArray = trunks.edges[np.lexsort([trunks.edges, trunk])]
     corners = (trunks.edges, trunks.alphas, trunks.betas)
-    if mirrored:
-        corners = tuple(kernels.mirrored(trunks.offsets, *corners))
-    return (
-        trunks.starts,
-        sizes,
-        trunks.offsets,
-        *corners,
-        ranked,
-        trunks.areas,
-        perimeters,
-        np.abs(beta_sums - (sizes - 2) * math.pi),
-    )
+    return Side(trunks.starts, sizes, trunks.offsets, *corners, ranked, trunks.areas, perimeters, spreads)
+
+
+def mirrored_side(trunks: TrunkStack) -> Side:
+    """Q's side of the kernels: the corners backwards, twice."""
+    edges, alphas, betas = mirrored(trunks.offsets, trunks.edges, trunks.alphas, trunks.betas)
+    return side(trunks)._replace(edges=edges, alphas=alphas, betas=betas)

@@ -127,7 +127,7 @@ def admissible_edges(shape: Shape, candidates: IntArray, parameters: TrunkParame
     """
     lengths = arc_length(shape.points)
     arcs = _arcs(shape, candidates)
-    admissible = (arcs > 0.0) & (arcs < parameters.max_arc * lengths[-1])
+    admissible: BoolArray = (arcs > 0.0) & (arcs < parameters.max_arc * lengths[-1])
     admissible &= _holds_one_of(candidates, convex_points(shape, parameters))
     admissible &= exterior_areas(shape.points, candidates) > parameters.min_area
     shares = inside_shares(shape.points, candidates, admissible)

@@ -16,6 +16,13 @@ from riot.shape import FloatArray, IntArray, Shape
 from riot.transform import Transform
 from riot.trunks import full_trunks
 
+MERGE = 1e-9
+"""Boundary points closer than this along the outline are one."""
+
+BOUND_MARGIN = 0.005
+"""The bound speaks of the outline whose arcs have followed the trunk when that was made conjugate; the input's own IoU may be
+higher by about this much."""
+
 
 def construct(
     a: Shape,
@@ -67,8 +74,8 @@ def construct_scored(
 def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) -> Transform:
     """The certified transform with the highest IoU of the worse shape among those on several trunk pairs.
 
-    No transform's IoU exceeds its plan's bound, so that plans are taken in order of their bounds until the best IoU reached
-    passes the next bound. Among equals the first of ``pairs`` wins.
+    Plans are taken in order of their bounds until the best IoU reached passes the next bound by `BOUND_MARGIN`. Among
+    equals the first of ``pairs`` wins.
     """
     plans: list[Plan] = []
     failures: list[ConstructionError] = []
@@ -80,7 +87,7 @@ def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) 
     best: Transform | None = None
     best_iou = -1.0
     for plan in sorted(plans, key=lambda each: -each.bound):
-        if plan.bound <= best_iou:
+        if plan.bound + BOUND_MARGIN <= best_iou:
             break
         try:
             made = construct_plan(plan, parameters)
@@ -158,10 +165,6 @@ def insert_vertices(shape: Shape, wanted: FloatArray, reach: float) -> tuple[Flo
     closed = np.concatenate([points, points[:1]])
     outline = np.stack([np.interp(everything, lengths, closed[:, axis]) for axis in (0, 1)], axis=1)
     return outline, np.searchsorted(everything, position).astype(np.int64)
-
-
-MERGE = 1e-9
-"""Boundary points closer than this along the outline are one."""
 
 
 def _direction(indices: IntArray, shape: Shape) -> int:

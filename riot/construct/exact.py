@@ -15,6 +15,7 @@ from riot.errors import ConstructionError
 from riot.kernels.coverage import swung_arcs, uncovered
 from riot.kernels.distances import signed_distances
 from riot.parameters import L_C, ConstructParameters
+from riot.polyline import edge_lengths, interior_angles
 from riot.pose import Placement, rotate
 from riot.shape import FloatArray, IntArray, Shape
 from riot.transform import Piece, Transform
@@ -98,7 +99,7 @@ def construct_plan(plan: Plan, parameters: ConstructParameters) -> Transform:
     lower = _dissect(plan.trunk_q[::-1], _reverse_arcs(plan.arcs_p, plan.offsets_p), parameters, "Q's trunk")
     upper = _dissect(plan.trunk_p, _reverse_arcs(plan.arcs_q, plan.offsets_q), parameters, "P's trunk")
     n = len(plan.trunk_p)
-    lengths = 0.5 * (_edge_lengths(plan.trunk_p) + _edge_lengths(plan.trunk_q))
+    lengths = 0.5 * (edge_lengths(plan.trunk_p) + edge_lengths(plan.trunk_q))
     pieces = []
     for i in range(n):
         # Corner i + 1 of Q's trunk in corresponding order is corner n − 2 − i of it read backwards.
@@ -113,10 +114,10 @@ def construct_plan(plan: Plan, parameters: ConstructParameters) -> Transform:
         )
     return Transform(
         pieces=tuple(pieces),
-        angles=_trunk_angles(plan.trunk_p),
-        conjugate_angles=_trunk_angles(plan.trunk_q[::-1])[::-1].copy(),
-        place_p=_placement(plan.trunk_p),
-        place_q=_placement(plan.trunk_q),
+        angles=interior_angles(plan.trunk_p),
+        conjugate_angles=interior_angles(plan.trunk_q[::-1])[::-1].copy(),
+        place_p=Placement.of(plan.trunk_p),
+        place_q=Placement.of(plan.trunk_q),
         p=plan.pair.p,
         q=plan.pair.q,
         trunk_p=plan.pair.outline_p[plan.pair.trunk_p],
@@ -174,19 +175,3 @@ def _in_piece_frame(path: FloatArray, start: FloatArray, stop: FloatArray, lengt
     forwards = abs(moved[0, 0]) < 0.5 * length
     moved[0], moved[-1] = (ends[0], ends[1]) if forwards else (ends[1], ends[0])
     return moved
-
-
-def _edge_lengths(trunk: FloatArray) -> FloatArray:
-    return np.hypot(*(np.roll(trunk, -1, axis=0) - trunk).T)
-
-
-def _trunk_angles(trunk: FloatArray) -> FloatArray:
-    ahead = np.roll(trunk, -1, axis=0) - trunk
-    behind = np.roll(trunk, 1, axis=0) - trunk
-    cross = ahead[:, 0] * behind[:, 1] - ahead[:, 1] * behind[:, 0]
-    return np.arctan2(cross, (ahead * behind).sum(axis=1))
-
-
-def _placement(trunk: FloatArray) -> Placement:
-    edge = trunk[1] - trunk[0]
-    return Placement(float(trunk[0, 0]), float(trunk[0, 1]), math.atan2(edge[1], edge[0]))

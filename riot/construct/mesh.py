@@ -92,4 +92,5 @@ def _grid_inside(polygon: FloatArray, spacing: float) -> FloatArray:
     normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.hypot(along[:, 0], along[:, 1])[:, None]
     depth = (grid[:, None, :] - local[None]) * normal[None]
     inside = (depth.sum(axis=2) > 0.5 * spacing).all(axis=1)
-    return grid[inside] @ frame + origin
+    placed: FloatArray = grid[inside] @ frame + origin
+    return placed

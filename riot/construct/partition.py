@@ -10,7 +10,6 @@ import heapq
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -37,7 +36,7 @@ def label_cells(mesh: Mesh, distances: FloatArray, parameters: ConstructParamete
     labels[:boundary] = mesh.edge
     links = _links(mesh)
     rooted = _rooted(mesh, labels, links)
-    share = float(_weights(mesh)[~rooted].sum())
+    share = 0.0 if rooted.all() else float(_weights(mesh)[~rooted].sum())
     if share > parameters.max_cut_off:
         raise ConstructionError(
             "disconnected",
@@ -63,8 +62,10 @@ def _check_contact(mesh: Mesh, labels: IntArray, distances: FloatArray, allowed:
 def _links(mesh: Mesh) -> IntArray:
     """(e, 2) mesh edges, each once, smaller index first."""
     a, b, c = mesh.triangles.T
-    pairs = np.sort(np.concatenate([np.stack([a, b], 1), np.stack([b, c], 1), np.stack([c, a], 1)]), axis=1)
-    return np.unique(pairs, axis=0)
+    start, stop = np.concatenate([a, b, c]), np.concatenate([b, c, a])
+    size = len(mesh.points)
+    codes = np.unique(np.minimum(start, stop) * size + np.maximum(start, stop))
+    return np.stack(np.divmod(codes, size), axis=1)
 
 
 def _rooted(mesh: Mesh, labels: IntArray, links: IntArray) -> BoolArray:
@@ -79,9 +80,10 @@ def _rooted(mesh: Mesh, labels: IntArray, links: IntArray) -> BoolArray:
 def _weights(mesh: Mesh) -> FloatArray:
     """(k,) a third of the area of the triangles around every point."""
     corners = mesh.points[mesh.triangles]
-    areas = shapely.area(shapely.polygons(corners))
-    weights: FloatArray = np.bincount(mesh.triangles.ravel(), np.repeat(areas / 3.0, 3), len(mesh.points))
-    return weights
+    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    thirds = np.repeat(areas / 3.0, 3)
+    return np.bincount(mesh.triangles.ravel(), weights=thirds, minlength=len(mesh.points)).astype(np.float64)
 
 
 def _flood(labels: IntArray, rooted: BoolArray, distances: FloatArray, links: IntArray) -> IntArray:

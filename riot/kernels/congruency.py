@@ -40,7 +40,7 @@ def best_turn(left: FloatArray, right: FloatArray, count: int) -> float:
     for c in range(count):
         sine += left[c, 0] * right[c, 1] - left[c, 1] * right[c, 0]
         cosine += left[c, 0] * right[c, 0] + left[c, 1] * right[c, 1]
-    return np.arctan2(sine, cosine) % (2.0 * np.pi)
+    return float(np.arctan2(sine, cosine) % (2.0 * np.pi))
 
 
 @kernel
@@ -62,7 +62,7 @@ def frechet(a: FloatArray, b: FloatArray, count: int, row: FloatArray) -> float:
                 reach = max(here, min(above, min(row[j - 1], diagonal)))
             diagonal = above
             row[j] = reach
-    return np.sqrt(row[count - 1])
+    return float(np.sqrt(row[count - 1]))
 
 
 @kernel

@@ -59,7 +59,7 @@ def _left(points: FloatArray, a: int, b: int, c: int) -> bool:
     """Whether c lies strictly to the left of the line from a to b."""
     ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
     vx, vy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
-    return ux * vy - uy * vx > 1e-9
+    return bool(ux * vy - uy * vx > 1e-9)
 
 
 @kernel

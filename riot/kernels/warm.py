@@ -1,0 +1,33 @@
+"""Compiling every kernel before it is needed, and saying so."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import riot.kernels
+
+
+def warm_all(report: Callable[[str], None]) -> None:
+    """Make every kernel ready to run; ``report`` is told what is being compiled, and nothing if all is in the cache.
+
+    Numba keeps what it compiled beside the modules, so this takes long only once after installation or a change.
+    """
+    names = [module.name for module in pkgutil.iter_modules(riot.kernels.__path__)]
+    cache = Path(riot.kernels.__path__[0]) / "__pycache__"
+    missing = [name for name in names if _has_kernels(name) and not list(cache.glob(f"{name}.*.nbi"))]
+    if missing:
+        report(f"compiling the numeric kernels for this machine, once, about a minute: {', '.join(missing)}")
+    start = time.perf_counter()
+    for name in names:
+        if _has_kernels(name):
+            importlib.import_module(f"riot.kernels.{name}").warm()
+    if missing:
+        report(f"kernels compiled in {time.perf_counter() - start:.0f} s")
+
+
+def _has_kernels(name: str) -> bool:
+    return hasattr(importlib.import_module(f"riot.kernels.{name}"), "warm")
