@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import matplotlib
@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from riot.errors import SilhouetteError
-from riot.groundtruth import exact_pair
+from riot.groundtruth import ExactPair, exact_pair
 from riot.parameters import ShapeParameters
 from riot.shape import FloatArray, Shape
 from riot.silhouette import mask_shape
@@ -123,8 +123,13 @@ def _font_digest() -> str:
     return hashlib.sha256(_font().read_bytes()).hexdigest()
 
 
+@lru_cache(maxsize=4)  # the two sides are mostly asked for one after the other
+def _pair(pieces: int, seed: int) -> ExactPair:
+    return exact_pair(pieces, seed)
+
+
 def _draw_pair(content: Pair) -> FloatArray:
-    pair = exact_pair(content.pieces, content.seed)
+    pair = _pair(content.pieces, content.seed)
     polygon = pair.p if content.side == "a" else pair.q
     low, extent = polygon.min(axis=0), np.ptp(polygon, axis=0)
     inner = (_SIDE - 2 * _MARGIN) * _FINER
