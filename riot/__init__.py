@@ -2,8 +2,9 @@
 
 >>> from riot import Shape, construct, crs, qcrs, reversibility, trunks
 
-A `Shape` is read from a picture, a vector file or a polygon; `reversibility`, `qcrs` and `crs` score one shape or two; `trunks`
-lists the convex polygons on which a dissection may rest; `construct` cuts the pieces and returns a `Transform`.
+A `Shape` is read from a picture, a vector file or a polygon; `reversibility`, `qcrs` and `crs` score one shape or
+two; `trunks` lists the convex polygons on which a dissection may rest; `construct` cuts the pieces and returns a
+`Transform`.
 """
 
 from riot.construct import construct

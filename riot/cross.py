@@ -36,7 +36,8 @@ class CrossScore:
     score : float
         min(s_edge, s_angle, s_area); 0 if the shapes have no trunks of one n.
     trunk_a, trunk_b : (n,) int64
-        Corresponding trunk vertices, indices into the shapes' points: ``trunk_a`` counter-clockwise, ``trunk_b`` clockwise.
+        Corresponding trunk vertices, indices into the shapes' points: ``trunk_a`` counter-clockwise, ``trunk_b``
+        clockwise.
     s_edge, s_angle, s_area : float
         The three terms' scores (eqs. 3–5).
     area : float
@@ -73,8 +74,8 @@ def crs(
 ) -> CrossScore:
     """Cross-reversibility score of two shapes (paper §4.2); trunks are found if not given.
 
-    d_A exists in both directions, P's arcs in Q's trunk and the other way; the worse counts (ours). Among equals the first by
-    (T, T', shift) wins.
+    d_A exists in both directions, P's arcs in Q's trunk and the other way; the worse counts (ours). Among equals the
+    first by (T, T', shift) wins.
     """
     found = best_trunk_pairs(a, b, trunks_a, trunks_b, parameters, count=1)
     return found[0] if found else NO_SCORE
@@ -90,8 +91,8 @@ def best_trunk_pairs(
 ) -> list[CrossScore]:
     """The ``count`` trunk pairs of highest score, best first; fewer if there are not so many.
 
-    Best-first: candidates are taken in order of a lower bound of their distance, until the bound passes the worst of those to
-    be kept, so that the result is that of evaluating all.
+    Best-first: candidates are taken in order of a lower bound of their distance, until the bound passes the worst of
+    those to be kept, so that the result is that of evaluating all.
     """
     trunks_a = full_trunks(a) if trunks_a is None else trunks_a
     trunks_b = full_trunks(b) if trunks_b is None else trunks_b

@@ -59,8 +59,9 @@ class TrunkStack:
 class BlockScores:
     """QCRS of k pairs (i, j): numbers within the two stacks, score, and the pair of trunks that gives it.
 
-    ``n``, ``trunk_i``, ``trunk_j`` and ``shift`` tell that vertex k of trunk ``trunk_i`` of shape i corresponds to vertex
-    ``(shift − k) mod n`` of trunk ``trunk_j`` of shape j. Pairs without trunks of one n: score 0, n 0, the others −1.
+    ``n``, ``trunk_i``, ``trunk_j`` and ``shift`` tell that vertex k of trunk ``trunk_i`` of shape i corresponds to
+    vertex ``(shift − k) mod n`` of trunk ``trunk_j`` of shape j. Pairs without trunks of one n: score 0, n 0, the
+    others −1.
     """
 
     i: npt.NDArray[np.int32]

@@ -20,8 +20,8 @@ MERGE = 1e-9
 """Boundary points closer than this along the outline are one."""
 
 BOUND_MARGIN = 0.005
-"""The bound speaks of the outline whose arcs have followed the trunk when that was made conjugate; the input's own IoU may be
-higher by about this much."""
+"""The bound speaks of the outline whose arcs have followed the trunk when that was made conjugate; the input's own
+IoU may be higher by about this much."""
 
 
 def construct(
@@ -150,9 +150,9 @@ def insert_vertices(shape: Shape, wanted: FloatArray, reach: float) -> tuple[Flo
     if (distance[rows, edge] > reach).any():
         far = int(distance[rows, edge].argmax())
         raise TrunkError(
-            f"trunk vertex {far} at ({wanted[far, 0]:.4g}, {wanted[far, 1]:.4g}) lies {distance[far, edge[far]]:.3g} from the "
-            f"outline of {shape.name or 'the shape'}, more than {reach:.3g}: give coordinates in the shape's frame (unit area, "
-            "centroid at the origin; Shape.from_source converts the picture's or polygon's own)"
+            f"trunk vertex {far} at ({wanted[far, 0]:.4g}, {wanted[far, 1]:.4g}) lies {distance[far, edge[far]]:.3g} "
+            f"from the outline of {shape.name or 'the shape'}, more than {reach:.3g}: give coordinates in the shape's "
+            "frame (unit area, centroid at the origin; Shape.from_source converts the picture's or polygon's own)"
         )
     lengths = arc_length(points)
     position = lengths[edge] + share[rows, edge] * np.hypot(*ahead[edge].T)
@@ -173,5 +173,6 @@ def _direction(indices: IntArray, shape: Shape) -> int:
         if (np.diff(np.roll(indices[::sign], -int(indices[::sign].argmin()))) > 0).all():
             return sign
     raise TrunkError(
-        f"the trunk vertices do not follow one another round the outline of {shape.name or 'the shape'}, or two are the same"
+        f"the trunk vertices do not follow one another round the outline of {shape.name or 'the shape'}, "
+        "or two are the same"
     )

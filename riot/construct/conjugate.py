@@ -16,9 +16,10 @@ MOST_STEPS = 50
 def make_conjugate(trunk_p: FloatArray, trunk_q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Move two corresponding n-gons, (n, 2) each, least until |e_j| = |e'_j| for all j.
 
-    ``trunk_p`` is counter-clockwise, ``trunk_q`` clockwise. Equality-constrained least squares over all 4n coordinates, by
-    Gauss–Newton: every step goes to the point nearest to the start on the linearised constraints. Raises
-    ConstructionError if that fails or leaves a trunk that is not strictly convex. Ours; the paper says only that it is done.
+    ``trunk_p`` is counter-clockwise, ``trunk_q`` clockwise. Equality-constrained least squares over all 4n
+    coordinates, by Gauss–Newton: every step goes to the point nearest to the start on the linearised constraints.
+    Raises ConstructionError if that fails or leaves a trunk that is not strictly convex. Ours; the paper says only
+    that it is done.
     """
     n = len(trunk_p)
     start = np.concatenate([trunk_p, trunk_q]).ravel()

@@ -50,9 +50,9 @@ class TrunkPair:
 class Plan:
     """A trunk pair made conjugate, with the arcs of either outline swung into the other's trunk.
 
-    ``trunk_p``, ``trunk_q`` (n, 2) are conjugate, in corresponding order. ``arcs_p`` (s, 2) with ``offsets_p`` (n + 1,): P's
-    arcs in Q's trunk, arc i from corner i to corner i + 1 of ``trunk_q``; ``arcs_q``: Q's arcs in P's trunk, arc i from corner n
-    − i to corner n − 1 − i of ``trunk_p`` (mod n). The bounds are of the IoU of P and of Q.
+    ``trunk_p``, ``trunk_q`` (n, 2) are conjugate, in corresponding order. ``arcs_p`` (s, 2) with ``offsets_p`` (n +
+    1,): P's arcs in Q's trunk, arc i from corner i to corner i + 1 of ``trunk_q``; ``arcs_q``: Q's arcs in P's trunk,
+    arc i from corner n − i to corner n − 1 − i of ``trunk_p`` (mod n). The bounds are of the IoU of P and of Q.
     """
 
     pair: TrunkPair
@@ -140,7 +140,8 @@ def _bound(target: FloatArray, arcs: FloatArray, offsets: IntArray, lines: int) 
 
 
 def _reverse_arcs(arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntArray]:
-    """The arcs in opposite order, each read backwards: what runs clockwise around a trunk then runs counter-clockwise."""
+    """The arcs in opposite order, each read backwards: what runs clockwise around a trunk then runs
+    counter-clockwise."""
     total = offsets[-1]
     return np.ascontiguousarray(arcs[::-1]), (total - offsets[::-1]).astype(np.int64)
 

@@ -10,8 +10,8 @@ from scipy.spatial import Delaunay
 from riot.shape import FloatArray, IntArray
 
 _BULGE = 1e-5
-"""How far, in units of the edge's length, boundary vertices are moved outwards before triangulation, so that rounding cannot hide
-one of a row of collinear points behind its neighbours."""
+"""How far, in units of the edge's length, boundary vertices are moved outwards before triangulation, so that rounding
+cannot hide one of a row of collinear points behind its neighbours."""
 
 
 @dataclass(frozen=True, eq=False)

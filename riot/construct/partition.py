@@ -1,7 +1,8 @@
 """Cells of a trunk: every point goes to the exterior piece of smallest signed distance (theory §8, ours).
 
-Overlaps are split along their middle line, gaps are shared out along theirs. Cells must be connected and keep their trunk edge:
-what is cut off from its edge is flooded by its neighbours, and too much of that is a rejected construction.
+Overlaps are split along their middle line, gaps are shared out along theirs. Cells must be connected and keep their
+trunk edge: what is cut off from its edge is flooded by its neighbours, and too much of that is a rejected
+construction.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ def label_cells(mesh: Mesh, distances: FloatArray, parameters: ConstructParamete
     if share > parameters.max_cut_off:
         raise ConstructionError(
             "disconnected",
-            f"pieces fall apart: {share:.3f} of the area is cut off from its trunk edge (allowed {parameters.max_cut_off:g})",
+            f"pieces fall apart: {share:.3f} of the area is cut off from its trunk edge "
+            f"(allowed {parameters.max_cut_off:g})",
         )
     return Cells(mesh, _flood(labels, rooted, distances, links), distances)
 
@@ -55,7 +57,8 @@ def _check_contact(mesh: Mesh, labels: IntArray, distances: FloatArray, allowed:
         if share > allowed:
             raise ConstructionError(
                 "lost-contact",
-                f"other pieces cover {share:.0%} of trunk edge {k}, whose own piece must stay on it (allowed {allowed:.0%})",
+                f"other pieces cover {share:.0%} of trunk edge {k}, whose own piece must stay on it "
+                f"(allowed {allowed:.0%})",
             )
 
 

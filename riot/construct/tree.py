@@ -13,12 +13,12 @@ from riot.polyline import simplify_open
 from riot.shape import FloatArray
 
 Node = tuple[int, ...]
-"""A mesh edge (two points, smaller first) that the boundary crosses, a triangle (three) where three cells meet, or a corner
-of the trunk (one)."""
+"""A mesh edge (two points, smaller first) that the boundary crosses, a triangle (three) where three cells meet, or a
+corner of the trunk (one)."""
 
 CORNER_SHARE = 0.1
-"""Where a third piece covers a corner of the trunk, the cells of the two edges that meet there keep this share of the mesh
-edges around it."""
+"""Where a third piece covers a corner of the trunk, the cells of the two edges that meet there keep this share of the
+mesh edges around it."""
 
 
 COINCIDENT = 1e-9

@@ -1,7 +1,7 @@
 """How badly swung arcs tile a trunk: the area term of CRS by scanlines (paper eq. 5; method ours, theory §6).
 
-Each arc of P is carried onto the corresponding edge of Q's trunk T' by the similarity that maps its end points, and closed by
-that edge to a region with winding number w_i(x). With W = Σ w_i::
+Each arc of P is carried onto the corresponding edge of Q's trunk T' by the similarity that maps its end points, and
+closed by that edge to a region with winding number w_i(x). With W = Σ w_i::
 
     d_A = ∫_{T'} |W − 1|  +  ∫_{outside T'} Σ|w_i|
 
@@ -21,7 +21,8 @@ def swung_arcs(points: FloatArray, trunk: IntArray, target: FloatArray, out: Flo
     """Carry the arcs of a polygon (m, 2) between ``trunk`` vertices (n,) onto ``target`` (n, 2) corners, in that order.
 
     Arc i runs from ``trunk[i]`` forwards to ``trunk[i + 1]``, both included, and is carried onto the segment from
-    ``target[i]`` to ``target[i + 1]``. Fills ``out`` (≥ m + n, 2) and ``offsets`` (n + 1,); returns the number of points.
+    ``target[i]`` to ``target[i + 1]``. Fills ``out`` (≥ m + n, 2) and ``offsets`` (n + 1,); returns the number of
+    points.
     """
     m, n = points.shape[0], len(trunk)
     total = 0
@@ -49,7 +50,8 @@ def swung_arcs(points: FloatArray, trunk: IntArray, target: FloatArray, out: Flo
 
 @kernel
 def uncovered(target: FloatArray, arcs: FloatArray, offsets: IntArray, lines: int) -> FloatArray:
-    """(3,) areas of gaps, overlaps and outside of swung arcs in the convex polygon ``target`` (n, 2), either way round."""
+    """(3,) areas of gaps, overlaps and outside of swung arcs in the convex polygon ``target`` (n, 2), either way
+    round."""
     n = target.shape[0]
     total = offsets[n]
     low, high = np.inf, -np.inf

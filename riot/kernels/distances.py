@@ -12,8 +12,8 @@ from riot.shape import FloatArray, IntArray
 def signed_distances(x: FloatArray, arcs: FloatArray, offsets: IntArray) -> FloatArray:
     """(k, n) distance of points (k, 2) to arc i, negative inside the region between the arc and its chord.
 
-    ``arcs`` (s, 2) are the concatenated polylines, ``offsets`` (n + 1,) where each starts. The chord belongs to the region's
-    parity, but not to what the distance is taken to: a region does not end at its trunk edge.
+    ``arcs`` (s, 2) are the concatenated polylines, ``offsets`` (n + 1,) where each starts. The chord belongs to the
+    region's parity, but not to what the distance is taken to: a region does not end at its trunk edge.
     """
     n = len(offsets) - 1
     found = np.empty((len(x), n))
@@ -27,7 +27,7 @@ def signed_distances(x: FloatArray, arcs: FloatArray, offsets: IntArray) -> Floa
             for s in range(first, last + 1):
                 bx, by = arcs[s, 0] - px, arcs[s, 1] - py
                 ex, ey = bx - ax, by - ay
-                if (ay > 0.0) != (by > 0.0) and 0.0 < ax - ay / ey * ex:
+                if (ay > 0.0) != (by > 0.0) and ax - ay / ey * ex > 0.0:
                     inside = not inside
                 if s > first:
                     square = ex * ex + ey * ey

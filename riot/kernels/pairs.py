@@ -24,9 +24,10 @@ SLACK = 1e-12
 class Side(NamedTuple):
     """The trunks of one or more shapes as the kernels want them; each shape's ordered by (n, area).
 
-    ``starts`` (shapes + 1,) offsets of every shape's trunks; ``sizes`` (t,) their n; ``offsets`` (t + 1,) of every trunk's corners;
-    ``edges``, ``alphas``, ``betas`` (s,), on Q's side `mirrored` and (2 s,); ``ranked`` (s,) every trunk's edges in ascending
-    order; ``areas``, ``perimeters`` and ``spreads`` (t,), the last |Σβ − (n − 2)π|, the least that Σ|β − α'| can be.
+    ``starts`` (shapes + 1,) offsets of every shape's trunks; ``sizes`` (t,) their n; ``offsets`` (t + 1,) of every
+    trunk's corners; ``edges``, ``alphas``, ``betas`` (s,), on Q's side `mirrored` and (2 s,); ``ranked`` (s,) every
+    trunk's edges in ascending order; ``areas``, ``perimeters`` and ``spreads`` (t,), the last |Σβ − (n − 2)π|, the
+    least that Σ|β − α'| can be.
     """
 
     starts: IntArray
@@ -114,8 +115,9 @@ def brute_pair(a: Side, i: int, b: Side, j: int, sigmas: Sigmas) -> Winner:
 def pruned_pair(a: Side, i: int, b: Side, j: int, sigmas: Sigmas, start: float) -> Winner:
     """The same as `brute_pair`, pruned.
 
-    Lower bounds of D, cheapest first: the area term; the difference of the perimeters; the spreads; the L1 distance of the
-    ranked edges. A first pass looks only for D ≤ ``start``; if there is none, the limit doubles, and is dropped at last.
+    Lower bounds of D, cheapest first: the area term; the difference of the perimeters; the spreads; the L1 distance
+    of the ranked edges. A first pass looks only for D ≤ ``start``; if there is none, the limit doubles, and is
+    dropped at last.
     """
     best, best_t, best_u, best_s = np.inf, -1, -1, -1
     limit = start
@@ -216,9 +218,10 @@ def cheap_bounds(
 ) -> int:
     """Count, and list as far as there is room, the (T, T', shift) of two shapes whose CRS bound is at most ``limit``.
 
-    ``pieces_a`` (s,) and ``pieces_b`` (2 s,), mirrored as edges, are the signed areas of the exterior pieces. Swung onto the other
-    trunk a piece's area grows by the square of the edges' ratio; the area term is at least |trunk area − Σ pieces|, less
-    ``slack`` for the scanlines. Fills ``found`` (r, 2) with the bound and max(d_E/σ_E, d_∠/σ_∠), ``which`` (r, 3).
+    ``pieces_a`` (s,) and ``pieces_b`` (2 s,), mirrored as edges, are the signed areas of the exterior pieces. Swung
+    onto the other trunk a piece's area grows by the square of the edges' ratio; the area term is at least |trunk area
+    − Σ pieces|, less ``slack`` for the scanlines. Fills ``found`` (r, 2) with the bound and max(d_E/σ_E, d_∠/σ_∠),
+    ``which`` (r, 3).
     """
     count = 0
     for t in range(len(a.sizes)):
