@@ -15,7 +15,7 @@ import shapely
 
 from riot.errors import ConstructionError
 from riot.parameters import L_C
-from riot.polyline import centroid, edge_lengths, interior_angles, signed_area
+from riot.polyline import centroid, edge_lengths, interior_angles, signed_area, simplify
 from riot.pose import Placement
 from riot.shape import FloatArray, Shape
 from riot.transform import Piece, Transform
@@ -30,8 +30,9 @@ TRUNK_ANGLES = (math.radians(40), math.radians(158))
 """Least and greatest angle of both trunks."""
 HINGE_ANGLES = (math.radians(60), math.radians(325))
 """Least and greatest angle of the assembled shape at a hinge."""
-FLAT_HINGE = math.radians(15)
-"""With straight arcs a hinge is at least so far from being a flat, hence invisible, point of the outline."""
+CORNER_TOLERANCE, CORNER_DISTANCE = 0.11, 0.03
+"""Every hinge is within this distance of a vertex of the outline simplified by Douglas–Peucker with this tolerance, so
+that a search which starts from feature points can meet it. The tolerance shrinks where such pairs are rare."""
 LEAST_AREA = 0.02
 """Of an exterior piece."""
 LEAST_DEPTH = 0.13
@@ -46,7 +47,7 @@ GREATEST_ARC = 0.45
 GREATEST_PERIMETER = 2.0 * L_C
 CURVE_STEP = L_C / 120
 """Spacing of the points on curved arcs."""
-TRUNK_TRIES, TREE_TRIES = 4000, 40
+TRUNK_TRIES, TREE_TRIES, RELAX_AFTER = 20_000, 20, 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,19 +84,25 @@ def exact_pair(n: int, seed: int, *, curved: bool = True, topology: Topology = "
         allowed = f"n ≥ 3, seed ≥ 0, topology one of {', '.join(TOPOLOGIES)}"
         raise ValueError(f"exact_pair({n=}, {seed=}, {topology=}): choose {allowed}")
     rng = np.random.default_rng([n, seed, int(curved), TOPOLOGIES.index(topology)])
+    tolerance, tries = CORNER_TOLERANCE, 0
     for _ in range(TRUNK_TRIES):
         trunks = _conjugate_polygons(rng, n)
         if trunks is None:
             continue
         v, w = trunks
-        if not curved and np.min(np.abs(_angles(v) + _angles(w) - math.pi)) < FLAT_HINGE:
+        hinges = _angles(v) + _angles(w)
+        if hinges.min() < HINGE_ANGLES[0] or hinges.max() > HINGE_ANGLES[1]:
             continue
-        arcs_p = _dissect(rng, w, v, curved=curved, topology=topology)
-        if arcs_p is None:
+        # A corner on two legs of 0.5 has this height; longer ones are rare.
+        if 0.25 * np.abs(np.sin(hinges)).min() < tolerance:
             continue
-        arcs_q = _dissect(rng, v, w, curved=curved, topology=topology)
-        if arcs_q is not None:
+        arcs_p = _dissect(rng, w, v, tolerance, curved=curved, topology=topology)
+        arcs_q = None if arcs_p is None else _dissect(rng, v, w, tolerance, curved=curved, topology=topology)
+        if arcs_p is not None and arcs_q is not None:
             return _assemble(v, w, arcs_p, arcs_q)
+        tries += 1
+        if tries % RELAX_AFTER == 0:
+            tolerance *= 0.7
     raise ConstructionError(
         "none-found", f"no exact pair with n = {n}, seed = {seed}: try another seed, or fewer pieces"
     )
@@ -196,26 +203,37 @@ def _convex_polygon(rng: np.random.Generator, lengths: FloatArray) -> FloatArray
 
 
 def _dissect(
-    rng: np.random.Generator, inner: FloatArray, outer: FloatArray, *, curved: bool, topology: Topology
+    rng: np.random.Generator,
+    inner: FloatArray,
+    outer: FloatArray,
+    tolerance: float,
+    *,
+    curved: bool,
+    topology: Topology,
 ) -> list[FloatArray] | None:
     """Dissect the trunk ``inner`` so that its regions, hinged around ``outer``, make a good silhouette.
 
-    Returns the n arcs, from vertex j to j + 1 of ``inner``; None if the hinges or all tries are bad.
+    Returns the n arcs, from vertex j to j + 1 of ``inner``; None if all tries are bad.
     """
     n = len(inner)
-    hinges = _angles(inner) + _angles(outer)
-    if hinges.min() < HINGE_ANGLES[0] or hinges.max() > HINGE_ANGLES[1]:
-        return None
     for attempt in range(TREE_TRIES):
         tree = star(n) if topology == "star" else random_tree(rng, n, binary=topology == "binary")
-        nodes = embed(tree, inner, np.exp(2.0 * (rng.random(len(tree.parent)) - 0.5)))
+        # Inner nodes hold together, so that the leaves' arcs are long and the hinges plain to see.
+        weights = np.exp(2.0 * (rng.random(len(tree.parent)) - 0.5))
+        weights[:n] *= 0.5
+        nodes = embed(tree, inner, weights)
         # Calmer curves as tries fail.
         bend = 0.3 * (1.0 - attempt / TREE_TRIES) if curved else 0.0
         curves = {k: _curve(rng, nodes[k], nodes[tree.parent[k]], bend) for k in tree.arcs}
-        if curved and not _planar(inner, curves):
-            continue
         arcs = _walks(tree, curves)
-        if all(map(_good_piece, arcs)) and _good_outline(_outline(arcs, inner, outer), arcs):
+        outline = _outline(arcs, inner, outer)
+        # Cheapest first.
+        if (
+            _marked(outline, outer, tolerance)
+            and (not curved or _planar(inner, curves))
+            and all(map(_good_piece, arcs))
+            and _good_outline(outline, arcs)
+        ):
             return arcs
     return None
 
@@ -255,6 +273,13 @@ def _good_outline(outline: FloatArray, arcs: list[FloatArray]) -> bool:
     return (
         polygon.is_valid and _in_one_part(polygon.buffer(-CLEARANCE)) and len(polygon.buffer(CLEARANCE).interiors) == 0
     )
+
+
+def _marked(outline: FloatArray, trunk: FloatArray, tolerance: float) -> bool:
+    """Whether every vertex of the trunk is at a corner of the simplified outline."""
+    corners = outline[simplify(outline, tolerance)]
+    gaps = np.hypot(*(trunk[:, None, :] - corners[None, :, :]).transpose(2, 0, 1)).min(axis=1)
+    return bool(gaps.max() <= CORNER_DISTANCE)
 
 
 def _in_one_part(polygon: shapely.Geometry) -> bool:
