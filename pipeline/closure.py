@@ -12,6 +12,7 @@ import ast
 import hashlib
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -28,7 +29,7 @@ def code_digests(module: str, root: Path = ROOT, packages: tuple[str, ...] = PAC
     """Digest of every project module that ``module`` imports, directly or not, itself included."""
     names = closure(module, root, packages)[0]
     paths = {name: _path(name, root) for name in names if name not in DECLARATIONS}
-    return {name: module_digest(path) for name, path in paths.items() if path is not None}
+    return {name: _facts(name, path).digest for name, path in paths.items() if path is not None}
 
 
 def library_versions(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> dict[str, str]:
@@ -37,7 +38,7 @@ def library_versions(module: str, root: Path = ROOT, packages: tuple[str, ...] =
     if "numba" in tops:
         tops.add("llvmlite")  # numba leaves code generation to it
     return {
-        name: metadata.version(name)
+        name: _version(name)
         for top in sorted(tops - set(sys.stdlib_module_names))
         for name in sorted(set(_distributions().get(top, ())))
     }
@@ -60,7 +61,7 @@ def closure(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES
         ours.add(name)
         path = _path(name, root)
         assert path is not None  # only names that have a file are put on the list
-        for target in _imports(name, path):
+        for target in _facts(name, path).imports:
             top = target.split(".")[0]
             if top not in packages:
                 others.add(top)
@@ -73,10 +74,27 @@ def closure(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES
 
 def module_digest(path: Path) -> str:
     """Digest of a module's syntax tree; docstrings, comments, layout and the Python version do not count."""
+    return _facts("", path).digest
+
+
+@dataclass(frozen=True)
+class _Facts:
+    digest: str
+    imports: tuple[str, ...]
+
+
+def _facts(module: str, path: Path) -> _Facts:
+    stat = path.stat()
+    return _facts_of_version(module, path, stat.st_mtime_ns, stat.st_size)
+
+
+@cache
+def _facts_of_version(module: str, path: Path, _modified: int, _size: int) -> _Facts:
+    # Most modules are in the closures of most stages: each version of a file is parsed once.
     tree = ast.parse(path.read_bytes(), filename=str(path))
     state = hashlib.sha256()
     _feed(tree, state)
-    return state.hexdigest()[:32]
+    return _Facts(state.hexdigest()[:32], tuple(dict.fromkeys(_imports(module, path, tree))))
 
 
 def _feed(node: object, state: hashlib._Hash) -> None:
@@ -118,9 +136,9 @@ def _without_docstring(body: list[ast.stmt]) -> list[ast.stmt]:
     ]
 
 
-def _imports(module: str, path: Path) -> Iterator[str]:
+def _imports(module: str, path: Path, tree: ast.Module) -> Iterator[str]:
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
-    for node in _walk(ast.parse(path.read_bytes(), filename=str(path))):
+    for node in _walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -168,3 +186,8 @@ def _resolve(target: str, root: Path) -> str | None:
 @cache
 def _distributions() -> dict[str, list[str]]:
     return dict(metadata.packages_distributions())
+
+
+@cache
+def _version(distribution: str) -> str:
+    return metadata.version(distribution)

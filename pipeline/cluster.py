@@ -6,7 +6,7 @@ import contextlib
 import logging
 import os
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Protocol
 
 from pipeline.config import ClusterConfig
@@ -64,8 +64,9 @@ class Here:
 class OnDask:
     """On a Dask cluster, with a bounded window of futures: the scheduler holds keys and receipts, never geometry."""
 
-    def __init__(self, client: Any) -> None:
+    def __init__(self, client: Any, task: Callable[[str, Bundle], list[Receipt]] = perform) -> None:
         self._client = client
+        self._task = task
 
     @property
     def workers(self) -> int:
@@ -84,7 +85,7 @@ class OnDask:
             while waiting and len(running) < 2 * self.workers + 2:
                 bundle, attempt = waiting.popleft()
                 name = f"{bundle[0].stage}-{bundle[0].key}-{attempt}"
-                future = self._client.submit(perform, root, tuple(bundle), key=name, pure=False)
+                future = self._client.submit(self._task, root, tuple(bundle), key=name, pure=False)
                 running[future] = (bundle, attempt)
                 completed.add(future)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import uuid
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -54,35 +55,37 @@ def run_folder(config: Config) -> Path:
     return config.outputs / config.dataset.name
 
 
-def check_folders(config: Config) -> None:
-    """Make sure that outputs and store can be written, before any work.
+def check_writable(folder: Path, parameter: str) -> None:
+    """Make a folder and try to write in it.
 
-    Raises `StartError` naming the folder and the parameter to change.
+    Raises `StartError` naming the folder and the ``parameter`` that chooses another.
     """
-    for folder, parameter in ((run_folder(config), "outputs"), (config.store, "store")):
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            probe = folder / ".probe"
-            write_atomically(probe, b"")
-            probe.unlink()
-        except OSError as error:
-            raise StartError(
-                f"cannot write to {folder}: {error.strerror or error}; make it writable, or choose another place "
-                f"with {parameter}=DIR"
-            ) from error
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / f".probe-{uuid.uuid4().hex}"
+        write_atomically(probe, b"")
+        probe.unlink()
+    except OSError as error:
+        raise StartError(
+            f"cannot write to {folder}: {error.strerror or error}; make it writable, or choose another place "
+            f"with {parameter}=DIR"
+        ) from error
 
 
 def run_pipeline(config: Config, listen: Listener) -> Outcome:
-    """Run everything that the store lacks and write the tables; the run's folder must be writable.
+    """Run everything that the store lacks and write the tables.
 
-    Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` without a cluster.
+    Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` when a folder cannot be written or
+    the cluster cannot be reached.
     """
     started, clock = datetime.now(UTC), time.perf_counter()
     collection = collect(config.dataset)
+    folder = run_folder(config)
+    check_writable(folder, "outputs")
+    check_writable(config.store, "store")
     plan = make_plan(config, collection)
     with open_run(config.store, config.cluster, lambda: _compile(listen), listen) as run:
         results = _stages(plan, collection, run)
-    folder = run_folder(config)
     digest = outcome_digest(results)
     code = WITH_ERRORS if results.errors or results.blocked else CLEAN
     nothing_new = all(stage.computed == 0 and stage.failed == 0 for stage in results.stages)

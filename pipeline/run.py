@@ -17,7 +17,7 @@ from pipeline.command import CONF, HYDRA_BASE, check_command, complete, is_multi
 from pipeline.config import Config
 from pipeline.errors import PipelineError
 from pipeline.explain import forecast, show_explanation, show_plan
-from pipeline.flow import BAD_START, CLEAN, check_folders, run_pipeline
+from pipeline.flow import BAD_START, CLEAN, check_writable, run_pipeline
 from pipeline.progress import show_progress
 from pipeline.store import Store
 from pipeline.summary import show_outcome
@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if not is_multirun(given):
                 if config.plan or config.explain:
                     return _show(config, console)
-                check_folders(config)
+                check_writable(config.outputs, "outputs")  # Hydra writes its log there
         codes = _with_hydra(given, console, complaints)
     except KeyboardInterrupt:
         return _interrupted(complaints)
@@ -68,7 +68,6 @@ def _run(composed: DictConfig, console: Console, complaints: Console) -> int:
         config = make_typed(composed)
         if config.plan or config.explain:
             return _show(config, console)
-        check_folders(config)
         with show_progress(console) as listen:
             outcome = run_pipeline(config, listen)
         show_outcome(outcome, console)

@@ -32,7 +32,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
 
 
 def pack_scores(scores: Sequence[CrossScore]) -> dict[str, AnyArray]:
-    """Scores as arrays: `TERMS` (k,) float64, ``evaluations`` (k,), ``offsets`` (k+1,) into ``trunk_p``, ``trunk_q``."""
+    """Scores as arrays: `TERMS` and ``evaluations`` (k,), ``offsets`` (k+1,) into ``trunk_p`` and ``trunk_q``."""
     arrays: dict[str, AnyArray] = {
         name: np.array([getattr(one, name) for one in scores], dtype=np.float64) for name in TERMS
     }
