@@ -79,7 +79,8 @@ def _check_name(override: Override) -> None:
     choices = group_choices()
     if name in choices:
         value = override.value()
-        if isinstance(value, str) and value not in choices[name]:
+        known = isinstance(value, str) and value in choices[name]
+        if not known and not override.is_sweep_override() and not isinstance(value, dict):
             raise ConfigError(f"{name}={value}: no such choice; allowed: {', '.join(choices[name])}")
         return
     group, _, parameter = name.partition(".")

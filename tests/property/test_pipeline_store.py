@@ -1,0 +1,147 @@
+"""Artifacts and the store: what was put comes back to the last bit, and damage is a miss, never an answer."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as npst
+
+from pipeline.artifact import Artifact, decode, encode
+from pipeline.errors import PayloadError
+from pipeline.keys import KeyParts
+from pipeline.store import MANIFEST, PAYLOAD, TEMPORARY, State, Store
+
+names = st.text(alphabet="abcdefg_", min_size=1, max_size=6)
+values = npst.arrays(
+    dtype=st.sampled_from([np.float64, np.int64, np.int32, np.int8, np.bool_]),
+    shape=npst.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4),
+)
+documents = st.dictionaries(names, st.none() | st.integers(-9, 9) | st.floats(allow_nan=False) | st.text(max_size=5))
+artifacts = st.builds(Artifact, st.dictionaries(names, values, max_size=4), documents)
+
+
+def parts(name: str = "a") -> KeyParts:
+    return KeyParts("stage", {"name": name}, (), {}, {})
+
+
+def example() -> Artifact:
+    return Artifact({"x": np.arange(100.0), "n": np.array([], dtype=np.int8)}, {"errors": [], "text": "å"})
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    return Store(tmp_path / "store")
+
+
+@settings(max_examples=60, deadline=None)
+@given(artifacts)
+def test_payloads_come_back_exactly(artifact: Artifact) -> None:
+    payload = encode(artifact)
+    again = decode(payload)
+    assert again.document == artifact.document
+    assert again.arrays.keys() == artifact.arrays.keys()
+    for name, array in artifact.arrays.items():
+        assert again.arrays[name].dtype == array.dtype and again.arrays[name].shape == array.shape
+        assert again.arrays[name].tobytes() == np.ascontiguousarray(array).tobytes()
+    backwards = Artifact(dict(reversed(list(artifact.arrays.items()))), artifact.document)
+    assert encode(backwards) == payload
+
+
+@settings(max_examples=60, deadline=None)
+@given(artifacts, st.data())
+def test_a_cut_payload_is_refused_or_whole_in_what_it_holds(artifact: Artifact, data: st.DataObject) -> None:
+    payload = encode(artifact)
+    cut = payload[: data.draw(st.integers(0, len(payload) - 1))]
+    try:
+        again = decode(cut)
+    except PayloadError:
+        return
+    assert all(again.arrays[name].tobytes() == array.tobytes() for name, array in artifact.arrays.items())
+
+
+def test_an_array_of_objects_is_refused() -> None:
+    with pytest.raises(PayloadError, match="numbers"):
+        encode(Artifact({"x": np.array(["text"])}))
+
+
+def test_put_get(store: Store) -> None:
+    key = store.put(parts(), example(), {"seconds": 2.5})
+    assert key == parts().key()
+    assert store.state("stage", key) is State.PRESENT
+    again = store.get("stage", key)
+    assert np.array_equal(again.arrays["x"], example().arrays["x"]) and again.document["text"] == "å"
+    with pytest.raises(ValueError):
+        again.arrays["x"][0] = 1.0
+    entry = store.entry("stage", key)
+    assert entry is not None and entry.cost["seconds"] == 2.5 and entry.parts == parts().to_json()
+
+
+def test_an_absent_key_is_absent(store: Store) -> None:
+    assert store.state("stage", parts().key()) is State.ABSENT
+    with pytest.raises(KeyError):
+        store.get("stage", parts().key())
+
+
+def damage(store: Store, kind: str) -> None:
+    folder = store.folder("stage", parts().key())
+    payload, manifest = folder / PAYLOAD, folder / MANIFEST
+    raw = payload.read_bytes()
+    if kind == "truncated":
+        payload.write_bytes(raw[:-5])
+    elif kind == "altered":
+        payload.write_bytes(raw[:-1] + bytes([raw[-1] ^ 1]))
+    elif kind == "longer":
+        payload.write_bytes(raw + b"\0")
+    elif kind == "empty":
+        payload.write_bytes(b"")
+    elif kind == "missing":
+        payload.unlink()
+    elif kind == "torn manifest":
+        manifest.write_bytes(manifest.read_bytes()[:20])
+    elif kind == "foreign manifest":
+        other = Store(store.root.parent / "other")
+        key = other.put(parts("b"), example())
+        manifest.write_bytes((other.folder("stage", key) / MANIFEST).read_bytes())
+
+
+@pytest.mark.parametrize(
+    "kind", ["truncated", "altered", "longer", "empty", "missing", "torn manifest", "foreign manifest"]
+)
+def test_damage_is_corrupt_and_mended_by_the_next_put(store: Store, kind: str) -> None:
+    key = store.put(parts(), example())
+    damage(store, kind)
+    assert store.state("stage", key) is State.CORRUPT
+    with pytest.raises(PayloadError):
+        store.get("stage", key)
+    store.put(parts(), example())
+    assert store.state("stage", key) is State.PRESENT
+
+
+def test_a_payload_without_its_manifest_is_not_committed(store: Store) -> None:
+    key = store.put(parts(), example())
+    (store.folder("stage", key) / MANIFEST).unlink()
+    assert store.state("stage", key) is State.ABSENT
+
+
+def test_writers_of_one_key_agree(store: Store) -> None:
+    writers = [threading.Thread(target=store.put, args=(parts(), example())) for _ in range(8)]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    folder = store.folder("stage", parts().key())
+    assert store.state("stage", parts().key()) is State.PRESENT
+    assert (folder / PAYLOAD).read_bytes() == encode(example())
+    assert not list(folder.glob(f"{TEMPORARY}*"))
+
+
+def test_a_failed_write_leaves_nothing(store: Store) -> None:
+    with pytest.raises(PayloadError):
+        store.put(parts(), Artifact({"x": np.array([None])}))
+    assert store.state("stage", parts().key()) is State.ABSENT
+    assert not list(store.root.rglob(f"{TEMPORARY}*"))

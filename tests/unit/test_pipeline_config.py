@@ -1,0 +1,104 @@
+"""Configuration: the files hold the code's defaults, and whatever is wrong is said before any work."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from pipeline.command import allowed_names, check_command, complete, group_choices
+from pipeline.config import ClusterConfig, Config, SelectConfig, make_config
+from pipeline.datasets import DatasetConfig
+from pipeline.errors import ConfigError
+
+SAMPLE = {"name": "sample", "kind": "sample"}
+
+
+def check(*arguments: str) -> Config:
+    return check_command(complete(arguments))
+
+
+def test_the_files_hold_the_defaults_of_the_code() -> None:
+    composed = check()
+    assert composed == Config(dataset=DatasetConfig())
+
+
+@pytest.mark.parametrize("kind", ["local", "sync", "external"])
+def test_every_cluster_has_a_file(kind: str) -> None:
+    arguments = [f"cluster={kind}", "cluster.address=tcp://host:1"] if kind == "external" else [f"cluster={kind}"]
+    assert check(*arguments).cluster.kind == kind
+    assert set(group_choices()["cluster"]) == {"local", "sync", "external"}
+
+
+@pytest.mark.parametrize("policy", ["paper", "global"])
+def test_every_policy_has_a_file(policy: str) -> None:
+    assert check(f"select={policy}").select == SelectConfig(policy=policy)  # type: ignore[arg-type]
+
+
+def test_every_parameter_can_be_set_alone() -> None:
+    config = check("trunks.tau_s=0.07", "select.top=5", "crs.lines=64", "cluster.workers=2", "batch=8", "outputs=here")
+    assert config.trunks.tau_s == 0.07 and config.select.top == 5 and config.crs.lines == 64
+    assert config.cluster == ClusterConfig(workers=2) and config.batch == 8 and config.outputs == Path("here")
+    assert {"trunks.tau_s", "shape.spacing", "dataset.root", "batch"} <= set(allowed_names())
+
+
+def test_data_sets_and_flags() -> None:
+    assert check("+dataset=mpeg7", "dataset.root=/x").dataset == DatasetConfig("mpeg7", "mpeg7", "/x")
+    assert check("dataset=folder", "dataset.root=/x").dataset.kind == "folder"
+    assert check("--plan").plan and check("--explain").explain
+    assert not check().plan
+
+
+@pytest.mark.parametrize(
+    ("argument", "words"),
+    [
+        ("trunks.tau=0.1", ["trunks.tau:", "Did you mean trunks.tau_s", "trunks.max_arc"]),
+        ("trunk.tau_s=0.1", ["trunk.tau_s", "trunks.tau_s"]),
+        ("speed=1", ["speed", "Allowed", "batch"]),
+        ("+trunks.new=1", ["trunks.new", "Allowed"]),
+        ("trunks.tau_s=abc", ["trunks.tau_s", "number", "'abc'"]),
+        ("trunks.tau_s=null", ["trunks.tau_s", "number"]),
+        ("trunks.tau_s=true", ["trunks.tau_s", "number"]),
+        ("trunks.max_vertices=3.5", ["trunks.max_vertices", "whole number"]),
+        ("trunks.max_vertices=2", ["trunks.max_vertices", "3"]),
+        ("trunks.tau_s=-1", ["trunks.tau_s", "greater than 0"]),
+        ("trunks.tau_s=nan", ["trunks.tau_s", "finite"]),
+        ("trunks.min_inside=1.5", ["trunks.min_inside", "at most 1"]),
+        ("select.policy=best", ["select.policy", "paper, global"]),
+        ("select=best", ["select=best", "global, paper"]),
+        ("select.top=0", ["select.top", "greater than 0"]),
+        ("cluster=big", ["cluster=big", "external, local, sync"]),
+        ("cluster=external", ["cluster.address", "tcp://"]),
+        ("cluster.workers=0", ["cluster.workers", "1 or more"]),
+        ("+dataset=mpeg", ["dataset=mpeg", "mpeg7", "sample"]),
+        ("dataset.limit=0", ["dataset", "limit", "1 or more"]),
+        ("dataset.name=a/b", ["dataset", "name"]),
+        ("batch=0", ["batch", "1 or more"]),
+        ("outputs=null", ["outputs", "path"]),
+        ("outputs=", ["outputs", "path"]),
+        ("trunks=null", ["trunks"]),
+        ("nonsense", ["nonsense"]),
+        ("reversibility.waist_low=2", ["waist_low", "waist_high"]),
+    ],
+)
+def test_mistakes_are_named_with_what_is_allowed(argument: str, words: list[str]) -> None:
+    with pytest.raises(ConfigError) as caught:
+        check(argument)
+    message = str(caught.value)
+    assert all(word in message for word in words), message
+
+
+def test_a_sweep_is_checked_at_its_first_point() -> None:
+    assert check("-m", "trunks.tau_s=0.1,0.07").trunks.tau_s == 0.1
+    with pytest.raises(ConfigError):
+        check("-m", "trunks.tau_s=x,0.07")
+
+
+def test_plain_values_are_enough() -> None:
+    config = make_config({"dataset": SAMPLE, "select": {"top": 3}})
+    assert config.select.top == 3 and dataclasses.is_dataclass(config.trunks)
+    with pytest.raises(ConfigError, match="dataset"):
+        make_config({})
+    with pytest.raises(ConfigError, match="group"):
+        make_config({"dataset": SAMPLE, "select": 3})
