@@ -101,7 +101,8 @@ def _thumb(row: TransformRow, drawn: Transform, prefix: str, frames: dict[str, B
 def _names(row: TransformRow) -> str:
     sides = ((row.name_p, row.class_p), (row.name_q, row.class_q))
     said = [
-        f'<span class="name">{escape(name)}</span>' + (f' <span class="class">{escape(kind)}</span>' if kind else "")
+        f'<span class="name">{escape(name)}</span>'
+        + (f' <span class="class">{escape(kind)}</span>' if kind not in ("", name) else "")
         for name, kind in sides
     ]
     return ' <span class="arrow" aria-label="and">⇄</span> '.join(said)

@@ -86,7 +86,8 @@ def _gallery(run: Run, cards: Sequence[Card]) -> str:
     thumbs = "".join(one.thumb for one in cards)
     note = (
         "Least deformed first. IoU compares what the pieces make with the input, of the worse of the two shapes; "
-        "its bound is what no exact construction on these trunks can pass."
+        "its bound is the greatest value that these trunks allow for the outline as it is once they are conjugate, "
+        "so that a result can lie a little above it."
     )
     body = f'<div class="thumbs">{thumbs}</div>\n{"".join(one.body for one in cards)}'
     return section("gallery", "Gallery", body, note)
@@ -203,8 +204,8 @@ def _errors(run: Run) -> str:
 
 
 def _settings(run: Run) -> str:
-    """Everything that `run.json` says, folded: one group for each of its mappings, one for its plain values."""
-    plain = {name: value for name, value in run.facts.items() if not isinstance(value, Mapping)}
+    """What `run.json` says, folded: one group for each of its mappings, one for its plain values; lists are tables'."""
+    plain = {name: value for name, value in run.facts.items() if not isinstance(value, Mapping | list)}
     groups = ({"run": plain} if plain else {}) | {
         name: value for name, value in run.facts.items() if isinstance(value, Mapping)
     }

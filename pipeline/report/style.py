@@ -56,7 +56,7 @@ td{overflow-wrap:break-word}
 .plot .bar{fill:var(--r-piece0)}
 .plot .bar:hover{fill:var(--r-piece4)}
 .thumbs{display:grid;grid-template-columns:repeat(auto-fill,minmax(132px,1fr));gap:10px;margin:0 0 26px}
-.thumb{display:flex;background:var(--r-paper);border-radius:10px;padding:6px}
+.thumb{--r-seam:transparent;display:flex;background:var(--r-paper);border-radius:10px;padding:6px}
 .thumb:hover{box-shadow:0 0 0 2px var(--link)}
 .thumb svg{width:50%;height:auto;aspect-ratio:1}
 .card{background:var(--r-paper);border-radius:16px;padding:24px 26px 20px;margin:0 0 22px;

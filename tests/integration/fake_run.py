@@ -70,6 +70,7 @@ def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40):
     facts = {
         "dataset": "fake & <small>",
         "started": "2024-01-01T00:00:00Z",
+        "stages": [{"stage": "ingest", "seconds": 1.5}],
         "counts": {"shapes": shapes, "pairs": len(pairs)},
         "versions": {"numpy": "2.0.0", "riot-shapes": "0.1.0"},
         "config": {"crs": {"lines": 128}, "dataset": {"root": "<nowhere>", "roots": ["a", "b"], "limit": None}},
