@@ -1,0 +1,59 @@
+"""The search meets ground truth: exact pairs score near one, at the trunks they were made from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from riot import Shape, construct, crs, qcrs
+from riot.groundtruth import ExactPair, dudeney, exact_pair
+from riot.shape import FloatArray
+
+
+def shapes(pair: ExactPair) -> tuple[Shape, Shape]:
+    return Shape.from_polygon(pair.p, "P"), Shape.from_polygon(pair.q, "Q")
+
+
+def farthest(found: FloatArray, expected: FloatArray) -> float:
+    """Greatest distance of corresponding vertices, at the best of the cyclic starts."""
+    return (
+        min(float(np.hypot(*(np.roll(found, k, axis=0) - expected).T).max()) for k in range(len(expected)))
+        if found.shape == expected.shape
+        else float("inf")
+    )
+
+
+@pytest.mark.parametrize(("n", "seed"), [(3, 0), (4, 1), (5, 2), (6, 3)])
+def test_quick_score_finds_the_trunks(n: int, seed: int) -> None:
+    pair = exact_pair(n, seed)
+    p, q = shapes(pair)
+    found = qcrs(p, q)
+    assert found.score > 0.99
+    assert farthest(p.points[found.trunk_a], pair.trunk_p) < 0.06
+    assert farthest(q.points[found.trunk_b], pair.trunk_q) < 0.06
+
+
+@pytest.mark.parametrize(("n", "seed"), [(3, 0), (4, 1), (5, 2), (6, 3)])
+def test_cross_score_and_construction_come_near(n: int, seed: int) -> None:
+    p, q = shapes(exact_pair(n, seed))
+    assert crs(p, q).score > 0.97
+    made = construct(p, q)
+    assert made.certificate().passed
+    assert made.deformation().iou > 0.97
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_construction_on_the_true_trunks_is_almost_exact(seed: int) -> None:
+    pair = exact_pair(3 + seed, seed)
+    p, q = shapes(pair)
+    made = construct(p, q, trunks=(pair.trunk_p, pair.trunk_q))
+    assert made.certificate().passed
+    assert made.deformation().iou > 0.98
+
+
+def test_dudeney_is_constructed_from_its_trunks() -> None:
+    pair = dudeney()
+    p, q = shapes(pair)
+    made = construct(p, q, trunks=(pair.trunk_p, pair.trunk_q))
+    assert made.certificate().passed
+    assert made.deformation().iou > 0.98
