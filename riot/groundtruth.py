@@ -38,7 +38,7 @@ LEAST_AREA = 0.02
 LEAST_DEPTH = 0.13
 """Of an exterior piece over its trunk edge: more than the paper's τ_s, so that it keeps a convex point."""
 CLEARANCE = 0.02
-"""Half the width of the narrowest limb, gap or piece."""
+"""Half the width of the narrowest limb or piece, and of the narrowest mouth of a bay."""
 GREATEST_TIP = 4.0
 """How far a limb may reach beyond where it is narrower than twice the clearance, in clearances: no whiskers, and no
 tip sharper than 29°."""
@@ -48,6 +48,7 @@ GREATEST_PERIMETER = 2.0 * L_C
 CURVE_STEP = L_C / 120
 """Spacing of the points on curved arcs."""
 TRUNK_TRIES, TREE_TRIES, RELAX_AFTER = 20_000, 20, 30
+"""Conjugate polygons drawn, trees drawn in each, and dissected pairs of polygons before the tolerance shrinks."""
 
 
 @dataclass(frozen=True, eq=False)
