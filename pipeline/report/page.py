@@ -105,7 +105,7 @@ def _best(run: Run, lost: set[int]) -> str:
         if row.rank not in lost:
             names = f'<a href="#t{row.rank}">{names}</a>'
         values = (row.iou, row.iou_p, row.iou_q, row.crs, row.qcrs, far)
-        return [str(row.rank), names, str(row.n), *(number(value) for value in values)]
+        return [str(row.rank), f'<div class="pair">{names}</div>', str(row.n), *(number(value) for value in values)]
 
     rows = [cells(row) for row in run.certified]
     body = table(head, rows[:SHOWN_PAIRS], numeric, "The least deformed transforms")

@@ -42,6 +42,7 @@ th:last-child,td:last-child{padding-right:0}
 tbody tr:last-child td{border-bottom:0}
 td.n,th.n{text-align:right;white-space:nowrap}
 td{overflow-wrap:break-word}
+.pair{min-width:10rem}
 .long{min-width:15rem;overflow-wrap:anywhere}
 .share{display:block;min-width:110px;height:9px;margin-top:.45em;border-radius:5px;background:var(--line);overflow:hidden}
 .share i{display:block;height:100%;background:var(--r-piece0);border-radius:5px}

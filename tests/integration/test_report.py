@@ -80,6 +80,13 @@ def test_needs_nothing_but_itself(parsed, run):
     assert "url(" not in style and "@import" not in style
 
 
+def test_every_colour_is_defined_in_light_and_in_dark(run):
+    style = re.search("<style>(.*?)</style>", run[2], flags=re.DOTALL).group(1)
+    light, dark = (set(re.findall(r"(--[\w-]+):#", root)) for root in re.findall(r":root\{(.*?)\}", style))
+    assert set(re.findall(r"var\((--[\w-]+)\)", style)) <= light == dark
+    assert "@media (prefers-color-scheme:dark){:root{" in style
+
+
 def test_is_the_same_every_time_and_everywhere(run, tmp_path):
     folder, _, text = run
     assert write_report(folder).read_text(encoding="utf-8") == text
