@@ -1,0 +1,71 @@
+"""The store's keeper: usage, damage, and what no run needs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from pipeline.artifact import Artifact
+from pipeline.cache import BAD_START, DAMAGED, OK, main
+from pipeline.keys import KeyParts
+from pipeline.record import ARTIFACTS
+from pipeline.store import PAYLOAD, State, Store
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    made = Store(tmp_path / "store")
+    for name in "abc":
+        made.put(KeyParts("crs", {"name": name}, (), {}, {}), Artifact({}, {"name": name}))
+    return made
+
+
+def key(name: str) -> str:
+    return KeyParts("crs", {"name": name}, (), {}, {}).key()
+
+
+def keep(tmp_path: Path, *names: str) -> None:
+    folder = tmp_path / "outputs" / "sample"
+    folder.mkdir(parents=True)
+    (folder / ARTIFACTS).write_text(json.dumps({"crs": [key(name) for name in names]}))
+
+
+def call(tmp_path: Path, command: str, *more: str) -> int:
+    places = ["--store", str(tmp_path / "store")]
+    places += ["--outputs", str(tmp_path / "outputs")] if command == "gc" else []
+    return main([command, *places, *more])
+
+
+def test_du_counts_artifacts(tmp_path: Path, store: Store, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(tmp_path, "du") == OK
+    assert "crs" in (said := capsys.readouterr().out) and " 3 " in said
+
+
+def test_verify_finds_damage(tmp_path: Path, store: Store, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(tmp_path, "verify") == OK
+    payload = store.folder("crs", key("b")) / PAYLOAD
+    payload.write_bytes(payload.read_bytes() + b"x")
+    assert call(tmp_path, "verify") == DAMAGED
+    said = capsys.readouterr().out
+    assert key("b") in said and key("a") not in said
+
+
+def test_gc_keeps_what_runs_need(tmp_path: Path, store: Store) -> None:
+    keep(tmp_path, "a")
+    assert call(tmp_path, "gc", "--dry-run") == OK
+    assert store.state("crs", key("b")) is State.PRESENT
+    assert call(tmp_path, "gc") == OK
+    assert [store.state("crs", key(name)) for name in "abc"] == [State.PRESENT, State.ABSENT, State.ABSENT]
+
+
+def test_gc_without_a_run_deletes_nothing(tmp_path: Path, store: Store, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(tmp_path, "gc") == BAD_START
+    assert "--outputs" in capsys.readouterr().out
+    assert store.state("crs", key("a")) is State.PRESENT
+
+
+def test_no_store_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["du", "--store", str(tmp_path / "none")]) == BAD_START
+    assert "--store" in capsys.readouterr().out

@@ -1,0 +1,154 @@
+"""Execution: only what is missing runs, failures stay with their items, and lost workers are replaced."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline import perform as perform_module
+from pipeline.artifact import Artifact
+from pipeline.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask
+from pipeline.events import Event, ItemDone, StageEnded, StageStarted
+from pipeline.execute import MAX_TRIES, Run, bundles
+from pipeline.keys import KeyParts
+from pipeline.perform import Failure, Receipt
+from pipeline.plan import WorkItem
+from pipeline.store import PAYLOAD, State, Store
+
+
+def item(name: str, sources: tuple[tuple[str, str], ...] = (), stage: str = "crs") -> WorkItem:
+    return WorkItem(KeyParts(stage, {"name": name}, (), {}, {}), (), sources, name, (0,))
+
+
+class Scripted:
+    """An executor that writes an artifact for every item, except where the script has it fail first."""
+
+    workers = 2
+
+    def __init__(self, failures: dict[str, list[Failure]] | None = None) -> None:
+        self.failures = failures or {}
+        self.seen: list[str] = []
+
+    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+        for bundle in bundles:
+            for one in bundle:
+                self.seen.append(one.spec)
+                script = self.failures.get(one.spec, [])
+                if script:
+                    yield Receipt(one.stage, one.key, failure=script.pop(0))
+                else:
+                    Store(Path(root)).put(one.parts, Artifact({}, {"spec": one.spec}), {"seconds": 1.0})
+                    yield Receipt(one.stage, one.key, seconds=1.0, cpu_seconds=0.5)
+
+
+def run(tmp_path: Path, executor: Any, events: list[Event] | None = None) -> Run:
+    listen = (lambda event: None) if events is None else events.append
+    return Run(Store(tmp_path), listen, lambda: executor)
+
+
+def test_only_missing_items_run_and_each_once(tmp_path: Path) -> None:
+    first, second = Scripted(), Scripted()
+    run(tmp_path, first).stage("crs", [item("a"), item("b"), item("a")])
+    assert sorted(first.seen) == ["a", "b"]
+    events: list[Event] = []
+    later = run(tmp_path, second, events)
+    later.stage("crs", [item("a"), item("b"), item("c")])
+    assert second.seen == ["c"]
+    assert events[0] == StageStarted("crs", "pairs", 3, 2, 0)
+    assert events[1] == ItemDone("crs", False)
+    ended = events[2]
+    assert isinstance(ended, StageEnded) and (ended.total, ended.cached, ended.computed, ended.failed) == (3, 2, 1, 0)
+    assert ended.stored_seconds == 3.0 and ended.cpu_seconds == 0.5
+
+
+def test_no_cluster_is_opened_when_nothing_is_missing(tmp_path: Path) -> None:
+    run(tmp_path, Scripted()).stage("crs", [item("a")])
+
+    def refuse() -> Any:
+        raise AssertionError("a cluster was opened")
+
+    again = Run(Store(tmp_path), lambda event: None, refuse)
+    again.stage("crs", [item("a")])
+    assert again.stages[0].cached == 1
+
+
+def test_damage_is_reported_and_mended(tmp_path: Path) -> None:
+    run(tmp_path, Scripted()).stage("crs", [item("a"), item("b")])
+    store = Store(tmp_path)
+    payload = store.folder("crs", item("a").key) / PAYLOAD
+    payload.write_bytes(payload.read_bytes()[:-1])
+    events: list[Event] = []
+    executor = Scripted()
+    run(tmp_path, executor, events).stage("crs", [item("a"), item("b")])
+    assert executor.seen == ["a"] and events[0] == StageStarted("crs", "pairs", 2, 1, 1)
+    assert store.state("crs", item("a").key) is State.PRESENT
+
+
+def test_failures_stay_with_their_items_and_block_what_needs_them(tmp_path: Path) -> None:
+    executor = Scripted({"a": [Failure("ValueError", "no")]})
+    state = run(tmp_path, executor)
+    a, b = item("a"), item("b")
+    state.stage("crs", [a, b])
+    state.stage("construct", [item("ca", (a.reference,), "construct"), item("cb", (b.reference,), "construct")])
+    assert state.failed == {a.reference: Failure("ValueError", "no", 1)}
+    assert executor.seen == ["a", "b", "cb"]
+    assert state.stages[1].blocked == 1 and state.stages[1].computed == 1 and state.stages[0].failed == 1
+
+
+def test_the_machine_gets_more_tries_and_the_item_does_not(tmp_path: Path) -> None:
+    disk = Failure("OSError", "disk")
+    executor = Scripted({"once": [disk], "always": [disk] * 9, "item": [Failure("LookupError", "it")] * 9})
+    state = run(tmp_path, executor)
+    state.stage("crs", [item("once"), item("always"), item("item")])
+    assert [executor.seen.count(name) for name in ("once", "always", "item")] == [2, MAX_TRIES, 1]
+    assert {failure.attempts for failure in state.failed.values()} == {MAX_TRIES, 1}
+    assert item("once").reference in state.done
+
+
+@pytest.mark.parametrize(("count", "workers"), [(0, 1), (1, 4), (7, 1), (100, 2), (1000, 16)])
+def test_bundles_hold_every_item_once_and_keep_workers_busy(count: int, workers: int) -> None:
+    items = [item(str(number)) for number in range(count)]
+    made = bundles(items, workers)
+    assert [one for bundle in made for one in bundle] == items
+    assert all(1 <= len(bundle) <= 4 for bundle in made)
+    assert len(made) >= min(count, workers)
+
+
+def test_a_worker_refuses_to_write_what_other_code_computes(tmp_path: Path) -> None:
+    stale = WorkItem(KeyParts("select", {}, (), {"pipeline.work.select": "0"}, {}), (), (), None, ())
+    (receipt,) = Here().run(str(tmp_path), [[stale]])
+    assert receipt.failure is not None and "code" in receipt.failure.message
+    assert Store(tmp_path).state("select", stale.key) is State.ABSENT
+
+
+def test_lost_workers_are_replaced_and_a_deadly_item_is_given_up(tmp_path: Path) -> None:
+    from distributed import Client, LocalCluster
+
+    def task(root: str, bundle: Bundle) -> list[Receipt]:
+        if bundle[0].spec == "deadly":
+            os._exit(1)
+        mark = Path(root) / bundle[0].spec
+        if bundle[0].spec == "unlucky" and not mark.exists():
+            mark.touch()
+            os._exit(1)
+        return [Receipt(one.stage, one.key) for one in bundle]
+
+    work = [[item(name)] for name in ("a", "unlucky", "deadly", "b", "c")]
+    settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "memory_limit": 0}
+    with LocalCluster(silence_logs=50, **settings) as cluster, Client(cluster) as client:
+        receipts = {receipt.key: receipt for receipt in OnDask(client, task).run(str(tmp_path), work)}
+    assert len(receipts) == len(work)
+    failed = {key: receipt.failure for key, receipt in receipts.items() if receipt.failure is not None}
+    assert list(failed) == [item("deadly").key]
+    (failure,) = failed.values()
+    assert failure is not None and failure.type == "KilledWorker" and failure.attempts == MAX_ATTEMPTS
+
+
+def test_receipts_tell_time_and_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(perform_module, "work_of", lambda stage, code: lambda inputs, parameters, spec: Artifact())
+    (receipt,) = Here().run(str(tmp_path), [[item("a")]])
+    assert receipt.failure is None and receipt.seconds > 0 and receipt.peak_mb > 1
