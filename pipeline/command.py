@@ -30,7 +30,8 @@ def complete(arguments: Sequence[str]) -> list[str]:
     spelled = ["+" + argument if argument.startswith("dataset=") else argument for argument in spelled]
     if not any(argument.startswith("+dataset=") for argument in spelled):
         spelled.append(NO_DATASET)
-    return spelled
+    # Hydra's parser takes values in one stretch only, so that flags go first.
+    return sorted(spelled, key=lambda argument: not argument.startswith("-")) if is_plain(spelled) else spelled
 
 
 def is_multirun(arguments: Sequence[str]) -> bool:

@@ -23,6 +23,11 @@ def _schema(meaning: str, *columns: pa.Field) -> pa.Schema:
     return pa.schema(list(columns), metadata={"meaning": meaning})
 
 
+def _list(kind: pa.DataType) -> pa.DataType:
+    # Parquet's own name for what a list holds, so that a table read back has the schema that was written.
+    return pa.list_(pa.field("element", kind))
+
+
 _PAIR = (
     _column("i", pa.int32(), "first shape (P)", "shape number"),
     _column("j", pa.int32(), "second shape (Q)", "shape number"),
@@ -68,7 +73,7 @@ TRUNKS = _schema(
     _column("n", pa.int8(), "vertices", "count"),
     _column("area", pa.float64(), "area of the trunk; the shape's is 1", AREA),
     _column("perimeter", pa.float64(), "sum of the edge lengths", AREA),
-    _column("vertices", pa.list_(pa.int32()), "vertices, counter-clockwise", BOUNDARY),
+    _column("vertices", _list(pa.int32()), "vertices, counter-clockwise", BOUNDARY),
 )
 
 QCRS = _schema(
@@ -98,8 +103,8 @@ CRS = _schema(
     _column("s_angle", pa.float64(), "angle term, equation 4", SCORE),
     _column("s_area", pa.float64(), "area term, equation 5, of the worse direction", SCORE),
     _column("n", pa.int8(), "vertices of the two trunks, 0 = none", "count"),
-    _column("trunk_i", pa.list_(pa.int64()), "trunk of i, counter-clockwise", BOUNDARY),
-    _column("trunk_j", pa.list_(pa.int64()), "trunk of j in corresponding order, clockwise", BOUNDARY),
+    _column("trunk_i", _list(pa.int64()), "trunk of i, counter-clockwise", BOUNDARY),
+    _column("trunk_j", _list(pa.int64()), "trunk of j in corresponding order, clockwise", BOUNDARY),
     _column("trunks_i", pa.int32(), "full trunks of i", "count"),
     _column("trunks_j", pa.int32(), "full trunks of j", "count"),
     _column("evaluations", pa.int64(), "area terms evaluated", "count"),

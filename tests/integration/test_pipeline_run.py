@@ -1,0 +1,315 @@
+"""The real pipeline in its own process: tables, resuming, sameness on every cluster, bad input, exit codes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from PIL import Image, ImageDraw
+
+from pipeline.store import PAYLOAD
+from pipeline.tables import SCHEMAS
+from riot.transform import Transform
+
+CLEAN, BAD_START, WITH_ERRORS = 0, 2, 3
+QUICK = ("batch=4", "select.top=3", "construct.candidates=2", "select.per_shape=2")
+TIMED = {"timings.parquet", "run.json", "report.html"}
+"""Files that hold times, and so differ between equal runs."""
+
+SHAPES = 10
+
+
+def draw(path: Path, number: int) -> None:
+    """A silhouette of its own for every number: a polygon of 4 to 8 corners at varied distances."""
+    corners = 4 + number % 5
+    rng = np.random.default_rng(number)
+    turns = 2 * math.pi * (np.arange(corners) + 0.25 * rng.random(corners)) / corners
+    reach = 34 + 14 * rng.random(corners)
+    image = Image.new("L", (100, 100), 0)
+    ImageDraw.Draw(image).polygon(
+        [(50 + r * math.cos(t), 50 + r * math.sin(t)) for r, t in zip(reach, turns, strict=True)], 255
+    )
+    image.save(path)
+
+
+def pictures(folder: Path, numbers: range = range(SHAPES)) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in numbers:
+        draw(folder / f"kind{number % 4}-{number}.png", number)
+    return folder
+
+
+def command(where: Path, root: Path | None, *more: str) -> list[str]:
+    data = ["+dataset=folder", f"dataset.root={root}"] if root is not None else []
+    return [
+        sys.executable,
+        "-m",
+        "pipeline.run",
+        *data,
+        f"outputs={where / 'outputs'}",
+        f"store={where / 'store'}",
+        *QUICK,
+        *more,
+    ]
+
+
+def run(where: Path, root: Path | None, *more: str) -> subprocess.CompletedProcess[str]:
+    where.mkdir(parents=True, exist_ok=True)
+    return subprocess.run(command(where, root, *more), capture_output=True, text=True, cwd=where, timeout=240)
+
+
+def digests(where: Path) -> dict[str, str]:
+    folder = where / "outputs" / "folder"
+    return {
+        file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(folder.rglob("*"))
+        if file.is_file() and file.name not in TIMED
+    }
+
+
+def table(where: Path, name: str) -> list[dict[str, object]]:
+    return pq.read_table(where / "outputs" / "folder" / f"{name}.parquet").to_pylist()
+
+
+def stages(where: Path) -> dict[str, dict[str, int]]:
+    record = json.loads((where / "outputs" / "folder" / "run.json").read_text())
+    return {stage["stage"]: stage for stage in record["stages"]}
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return pictures(tmp_path_factory.mktemp("pictures"))
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory, root: Path) -> Path:
+    """A finished run on ``cluster=sync``; tests copy it before they change anything."""
+    where = tmp_path_factory.mktemp("sync")
+    done = run(where, root, "cluster=sync")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    assert "Report:" in done.stdout and "Time per stage" in done.stdout and "Best transforms" in done.stdout
+    return where
+
+
+@pytest.fixture
+def copied(finished: Path, tmp_path: Path) -> Path:
+    shutil.copytree(finished, tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def test_tables_are_whole_and_documented(finished: Path) -> None:
+    folder = finished / "outputs" / "folder"
+    for name, schema in SCHEMAS.items():
+        path = folder / name / "i_block=0000" / "part-0.parquet" if name == "qcrs" else folder / f"{name}.parquet"
+        assert pq.read_schema(path).equals(schema, check_metadata=True)
+        assert all(field.metadata[b"meaning"] for field in schema)
+    shapes = table(finished, "shapes")
+    assert [row["shape"] for row in shapes] == list(range(SHAPES))
+    assert [row["name"] for row in shapes] == sorted(row["name"] for row in shapes)  # type: ignore[type-var]
+    assert {row["class"] for row in shapes} == {"kind0", "kind1", "kind2", "kind3"}
+    qcrs = pq.read_table(folder / "qcrs").to_pandas()
+    assert len(qcrs) == SHAPES * (SHAPES - 1) // 2 and (qcrs["i"] < qcrs["j"]).all()
+    assert qcrs["score"].between(0, 1).all() and not qcrs.duplicated(["i", "j"]).any()
+    assert qcrs[["i", "j"]].apply(tuple, axis=1).is_monotonic_increasing
+    trunks = pq.read_table(folder / "trunks.parquet").to_pandas()
+    counts = trunks.groupby("shape").size()
+    assert all(row["trunks"] == counts.get(row["shape"], 0) for row in shapes)
+    for row in qcrs[qcrs["score"] > 0].itertuples():
+        assert row.trunk_i < counts[row.i] and row.trunk_j < counts[row.j]
+    assert len(table(finished, "reversibility")) == SHAPES
+    assert table(finished, "errors") == []
+
+
+def test_selected_pairs_are_the_best_and_become_transforms(finished: Path) -> None:
+    selected = table(finished, "selected")
+    assert [row["rank"] for row in selected] == [1, 2, 3]
+    assert all(row["class_i"] != row["class_j"] for row in selected)
+    assert [row["qcrs"] for row in selected] == sorted((row["qcrs"] for row in selected), reverse=True)  # type: ignore[type-var]
+    assert {(row["i"], row["j"]) for row in table(finished, "crs")} == {(row["i"], row["j"]) for row in selected}
+    transforms = table(finished, "transforms")
+    assert len(transforms) == 3
+    certified = [row for row in transforms if row["status"] == "certified"]
+    assert [row["iou"] for row in certified] == sorted((row["iou"] for row in certified), reverse=True)  # type: ignore[type-var]
+    for row in certified:
+        transform = Transform.load(finished / "outputs" / "folder" / str(row["file"]))
+        assert transform.certificate().passed and len(transform) == row["n"]
+        assert (transform.p.name, transform.q.name) == (row["name_i"], row["name_j"])
+    assert all(row["reason"] and row["file"] == "" for row in transforms if row["status"] == "rejected")
+
+
+def test_nothing_but_outputs_and_store_is_written(finished: Path) -> None:
+    assert sorted(path.name for path in finished.iterdir()) == ["outputs", "store"]
+    assert not list(finished.rglob(".tmp-*")) and not list(finished.rglob(".probe*"))
+
+
+def test_two_workers_write_the_same_bytes(finished: Path, root: Path, tmp_path: Path) -> None:
+    done = run(tmp_path, root, "cluster=local", "cluster.workers=2")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    assert digests(tmp_path) == digests(finished)
+
+
+def test_a_finished_run_computes_nothing_and_says_so(copied: Path, root: Path) -> None:
+    folder = copied / "outputs" / "folder"
+    before = {file: file.stat().st_mtime_ns for file in folder.rglob("*")}
+    done = run(copied, root, "cluster=sync")
+    assert done.returncode == CLEAN and "Everything cached: nothing was computed" in done.stdout
+    assert {file: file.stat().st_mtime_ns for file in folder.rglob("*")} == before
+    plan = run(copied, root, "--plan")
+    assert plan.returncode == CLEAN and "nothing was run" in plan.stdout
+
+
+def test_lost_tables_are_written_again_from_the_store(copied: Path, finished: Path, root: Path) -> None:
+    (copied / "outputs" / "folder" / "crs.parquet").unlink()
+    done = run(copied, root, "cluster=sync")
+    assert done.returncode == CLEAN and "nothing was computed" in done.stdout
+    assert digests(copied) == digests(finished)
+    assert all(stage["computed"] == 0 for stage in stages(copied).values())
+
+
+def test_a_place_changes_nothing(finished: Path, root: Path, tmp_path: Path) -> None:
+    """The same pictures elsewhere: everything is found in the store, and the tables are the same to the byte."""
+    moved = Path(shutil.copytree(root, tmp_path / "moved pictures"))
+    shutil.copytree(finished / "store", tmp_path / "store")
+    done = run(tmp_path, moved, "cluster=sync")
+    assert done.returncode == CLEAN and "nothing was computed" in done.stdout
+    assert digests(tmp_path) == digests(finished)
+
+
+def test_one_more_picture_costs_its_own_batch_and_blocks(copied: Path, root: Path, tmp_path: Path) -> None:
+    grown = Path(shutil.copytree(root, tmp_path / "grown"))
+    draw(grown / "kind9-99.png", 99)
+    done = run(copied, grown, "cluster=sync")
+    assert done.returncode == CLEAN
+    counts = stages(copied)
+    assert counts["ingest"]["computed"] <= 2 and counts["ingest"]["cached"] >= 1
+    assert counts["qcrs"]["cached"] >= 1
+    assert len(table(copied, "shapes")) == SHAPES + 1
+
+
+def test_a_parameter_redoes_what_reads_it_and_explains(copied: Path, root: Path) -> None:
+    explained = run(copied, root, "crs.sigma_area=0.25", "--explain")
+    assert explained.returncode == CLEAN
+    assert "crs: 3 of 3 to do" in explained.stdout and "parameters.crs.sigma_area 0.3 → 0.25" in explained.stdout
+    assert "qcrs: all" in explained.stdout
+    assert run(copied, root, "crs.sigma_area=0.25", "cluster=sync").returncode == CLEAN
+    counts = stages(copied)
+    assert counts["qcrs"]["computed"] == 0 and counts["trunks_full"]["computed"] == 0 and counts["crs"]["computed"] == 3
+
+
+def test_a_damaged_artifact_is_made_again(copied: Path, finished: Path, root: Path) -> None:
+    payload = next(iter(sorted((copied / "store" / "trunks").rglob(PAYLOAD))))
+    raw = bytearray(payload.read_bytes())
+    raw[-1] ^= 255
+    payload.write_bytes(raw)
+    done = run(copied, root, "cluster=sync")
+    assert done.returncode == CLEAN and "trunks: 1 damaged" in done.stdout and "corrupt" in done.stdout
+    assert re.search(r"^trunks +\d+ cached, 1 computed", done.stdout, re.MULTILINE)
+    assert payload.read_bytes() != bytes(raw) and digests(copied) == digests(finished)
+
+
+@pytest.mark.parametrize("after", ["ingest", "qcrs"])
+def test_a_killed_run_goes_on_where_it_was(after: str, finished: Path, root: Path, tmp_path: Path) -> None:
+    with subprocess.Popen(
+        command(tmp_path, root, "cluster=local", "cluster.workers=1"), stdout=subprocess.PIPE, text=True, cwd=tmp_path
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.startswith(after):
+                break
+        process.kill()
+    assert not (tmp_path / "outputs" / "folder" / "run.json").exists()
+    done = run(tmp_path, root, "cluster=sync")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    assert stages(tmp_path)[after]["computed"] == 0
+    assert digests(tmp_path) == digests(finished)
+
+
+def test_bad_pictures_are_rows_and_the_run_goes_on(root: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(root, tmp_path / "pictures"))
+    (folder / "text-1.png").write_text("this is no picture")
+    whole = (folder / "kind0-0.png").read_bytes()
+    (folder / "cut-1.png").write_bytes(whole[: len(whole) // 2])
+    Image.new("L", (40, 40), 255).save(folder / "plain-1.png")
+    Image.new("L", (1, 1), 0).save(folder / "dot-1.png")
+    (folder / "twin-1.png").write_bytes(whole)
+    draw(folder / "mit Leerzeichen é-1.png", 55)
+    (folder / "notes.txt").write_text("no item")
+    done = run(tmp_path, folder, "cluster=sync")
+    assert done.returncode == WITH_ERRORS, done.stdout + done.stderr
+    errors = {row["item"]: row for row in table(tmp_path, "errors")}
+    assert errors.keys() == {"text-1", "cut-1", "plain-1", "dot-1", "twin-1"}
+    assert all(row["reason"] and row["message"] and row["attempts"] == 1 for row in errors.values())
+    assert errors["twin-1"]["reason"] == "duplicate"
+    assert not any(str(tmp_path) in str(row["message"]) for row in errors.values())
+    names = {row["name"]: row["source"] for row in table(tmp_path, "shapes")}
+    assert len(names) == SHAPES + 1 and names["mit Leerzeichen é-1"] == "mit Leerzeichen é-1.png"
+    qcrs = pq.read_table(tmp_path / "outputs" / "folder" / "qcrs")
+    assert len(qcrs) == (SHAPES + 1) * SHAPES // 2
+    again = run(tmp_path, folder, "cluster=sync")
+    assert again.returncode == WITH_ERRORS and "nothing was computed" in again.stdout
+
+
+def test_a_collection_without_one_shape_still_ends_well(tmp_path: Path) -> None:
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    (folder / "text-1.png").write_text("this is no picture")
+    done = run(tmp_path, folder, "cluster=sync")
+    assert done.returncode == WITH_ERRORS, done.stdout + done.stderr
+    assert table(tmp_path, "shapes") == [] and len(table(tmp_path, "errors")) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["+dataset=folder", "dataset.root={empty}"], ["no pictures", "dataset.root"]),
+        (["+dataset=folder", "dataset.root={empty}/none"], ["does not exist"]),
+        (["+dataset=mpeg7", "dataset.root={empty}/none"], ["pipeline.fetch mpeg7"]),
+        (["trunks.tau=1"], ["trunks.tau_s", "Allowed"]),
+        (["trunks.tau_s=x"], ["number"]),
+        (["outputs={file}"], ["cannot write", "outputs=DIR"]),
+        (["outputs={file}/deeper"], ["cannot write", "outputs=DIR"]),
+        (["store={file}"], ["cannot write", "store=DIR"]),
+    ],
+)
+def test_what_cannot_start_says_why_and_does_nothing(arguments: list[str], words: list[str], tmp_path: Path) -> None:
+    empty, file = tmp_path / "empty", tmp_path / "file"
+    empty.mkdir()
+    file.touch()
+    where = tmp_path / "where"
+    where.mkdir()
+    filled = [argument.format(empty=empty, file=file) for argument in arguments]
+    done = subprocess.run(
+        [sys.executable, "-m", "pipeline.run", *filled], capture_output=True, text=True, cwd=where, timeout=120
+    )
+    assert done.returncode == BAD_START, done.stdout + done.stderr
+    assert all(word in done.stderr for word in words) and "Traceback" not in done.stderr
+    assert not (where / "store").exists() or not list((where / "store").rglob("*.bin"))
+
+
+def test_a_sweep_shares_what_its_parameters_do_not_touch(copied: Path, root: Path) -> None:
+    done = run(copied, root, "cluster=sync", "-m", "crs.sigma_area=0.3,0.25")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    assert done.stdout.count("Time per stage") == 2
+    counts = stages(copied)
+    assert counts["trunks_full"]["computed"] == 0 and counts["crs"]["computed"] == 3
+
+
+def test_the_environment_changes_no_result(finished: Path, root: Path, tmp_path: Path) -> None:
+    where = tmp_path / "env"
+    where.mkdir()
+    environment = {**os.environ, "OMP_NUM_THREADS": "3", "NUMBA_NUM_THREADS": "2", "PYTHONHASHSEED": "7", "LC_ALL": "C"}
+    done = subprocess.run(
+        command(where, root, "cluster=sync"), capture_output=True, text=True, cwd=where, env=environment, timeout=240
+    )
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    assert digests(where) == digests(finished)
