@@ -110,9 +110,7 @@ def _assembly(transform: Transform, pose: Pose, outline: FloatArray) -> Assembly
         return Assembly(np.nan, np.nan, _hinge_error(transform, pose), False)
     union = shapely.union_all(parts).area
     total = float(sum(part.area for part in parts))
-    return Assembly(
-        total - union, shapely.Polygon(outline).area - union, _hinge_error(transform, pose), simple
-    )
+    return Assembly(total - union, shapely.Polygon(outline).area - union, _hinge_error(transform, pose), simple)
 
 
 def _hinge_error(transform: Transform, pose: Pose) -> float:
@@ -133,13 +131,17 @@ def measure(transform: Transform) -> Deformation:
 
 def compare(outline: FloatArray, reference: FloatArray) -> tuple[float, float, float]:
     """(IoU, symmetric Hausdorff, symmetric mean distance) of two closed polygons; distances in units of ``L_c``."""
-    a, b = shapely.Polygon(outline), shapely.Polygon(reference)
-    union = shapely.union(a, b).area
-    iou = (a.area + b.area - union) / union
     there = _distances(outline, reference)
     back = _distances(reference, outline)
     far = max(float(there.max()), float(back.max()))
-    return iou, far / L_C, 0.5 * float(there.mean() + back.mean()) / L_C
+    return overlap_ratio(outline, reference), far / L_C, 0.5 * float(there.mean() + back.mean()) / L_C
+
+
+def overlap_ratio(outline: FloatArray, reference: FloatArray) -> float:
+    """IoU of the regions inside two closed polygons; what a crossing outline encloses is made valid first."""
+    a, b = (shapely.make_valid(shapely.Polygon(points)) for points in (outline, reference))
+    union = shapely.union(a, b).area
+    return float((a.area + b.area - union) / union)
 
 
 def _distances(outline: FloatArray, reference: FloatArray) -> FloatArray:

@@ -99,8 +99,7 @@ def _shape(document: dict[str, Any]) -> Shape:
 
 def _transform(document: dict[str, Any]) -> Transform:
     pieces = tuple(
-        Piece(float(piece["length"]), _points(piece["lower"]), _points(piece["upper"]))
-        for piece in document["pieces"]
+        Piece(float(piece["length"]), _points(piece["lower"]), _points(piece["upper"])) for piece in document["pieces"]
     )
     angles = np.asarray(document["angles"], dtype=np.float64)
     conjugate = np.asarray(document["conjugate_angles"], dtype=np.float64)

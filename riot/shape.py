@@ -73,9 +73,7 @@ class Shape:
         return read_svg(path, parameters)
 
     @classmethod
-    def from_polygon(
-        cls, points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None
-    ) -> Shape:
+    def from_polygon(cls, points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
         """Make a shape of an (m, 2) polygon in either orientation; see `riot.silhouette.polygon_shape`."""
         from riot.silhouette import polygon_shape
 

@@ -65,7 +65,8 @@ class Transform:
         Trunk vertices on the inputs before they were made conjugate, in corresponding order: ``trunk_p``
         counter-clockwise, ``trunk_q`` clockwise.
     bound_p, bound_q : float
-        Upper bounds of the IoU that any exact construction on these conjugate trunks can reach (theory §8).
+        Upper bounds of the IoU with the inputs that an exact construction on these conjugate trunks can reach: that of
+        the outline whose arcs have followed the trunk (theory §8), plus its Jaccard distance from the input.
     """
 
     pieces: tuple[Piece, ...]

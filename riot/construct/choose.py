@@ -19,10 +19,6 @@ from riot.trunks import full_trunks
 MERGE = 1e-9
 """Boundary points closer than this along the outline are one."""
 
-BOUND_MARGIN = 0.005
-"""The bound speaks of the outline whose arcs have followed the trunk when that was made conjugate; the input's own
-IoU may be higher by about this much."""
-
 
 def construct(
     a: Shape,
@@ -74,21 +70,23 @@ def construct_scored(
 def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) -> Transform:
     """The certified transform with the highest IoU of the worse shape among those on several trunk pairs.
 
-    Plans are taken in order of their bounds until the best IoU reached passes the next bound by `BOUND_MARGIN`. Among
-    equals the first of ``pairs`` wins.
+    Plans are taken in order of the IoU to expect of them, the best ``attempts``; one whose bound the best IoU has
+    passed is left out. Among equals the first of ``pairs`` wins.
     """
     plans: list[Plan] = []
-    failures: list[ConstructionError] = []
+    unplanned: list[ConstructionError] = []
     for pair in pairs:
         try:
             plans.append(plan_pair(pair, parameters))
         except ConstructionError as error:
-            failures.append(error)
+            unplanned.append(error)
+    plans.sort(key=lambda plan: -plan.expected)
     best: Transform | None = None
     best_iou = -1.0
-    for plan in sorted(plans, key=lambda each: -each.bound):
-        if plan.bound + BOUND_MARGIN <= best_iou:
-            break
+    failures: list[ConstructionError] = []
+    for plan in plans[: parameters.attempts]:
+        if plan.bound <= best_iou:
+            continue
         try:
             made = construct_plan(plan, parameters)
             _require_certificate(made)
@@ -99,9 +97,9 @@ def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) 
         if iou > best_iou:
             best, best_iou = made, iou
     if best is None:
-        worst = failures[len(pairs) - len(plans)] if len(failures) > len(pairs) - len(plans) else failures[0]
-        tried = "the trunk pair" if len(pairs) == 1 else f"none of {len(pairs)} trunk pairs"
-        raise ConstructionError(worst.reason, f"{tried} gives an exact transform; the best: {worst}")
+        first = (failures + unplanned)[0]
+        tried = "the trunk pair gives no" if len(pairs) == 1 else f"none of {len(pairs)} trunk pairs gives an"
+        raise ConstructionError(first.reason, f"{tried} exact transform; the most promising: {first}")
     return best
 
 

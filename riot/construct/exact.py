@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from riot.certify import overlap_ratio
 from riot.construct.conjugate import is_convex, make_conjugate
 from riot.construct.mesh import mesh_convex
 from riot.construct.partition import label_cells
@@ -15,7 +16,7 @@ from riot.errors import ConstructionError
 from riot.kernels.coverage import swung_arcs, uncovered
 from riot.kernels.distances import signed_distances
 from riot.parameters import L_C, ConstructParameters
-from riot.polyline import edge_lengths, interior_angles
+from riot.polyline import edge_lengths, interior_angles, signed_area
 from riot.pose import Placement, rotate
 from riot.shape import FloatArray, IntArray, Shape
 from riot.transform import Piece, Transform
@@ -52,7 +53,10 @@ class Plan:
 
     ``trunk_p``, ``trunk_q`` (n, 2) are conjugate, in corresponding order. ``arcs_p`` (s, 2) with ``offsets_p`` (n +
     1,): P's arcs in Q's trunk, arc i from corner i to corner i + 1 of ``trunk_q``; ``arcs_q``: Q's arcs in P's trunk,
-    arc i from corner n − i to corner n − 1 − i of ``trunk_p`` (mod n). The bounds are of the IoU of P and of Q.
+    arc i from corner n − i to corner n − 1 − i of ``trunk_p`` (mod n). ``followed_*``
+    are the outlines whose arcs have followed their trunks; ``expected_*`` the highest IoU with these that an exact
+    construction can have, and the partition reaches it; ``bound_*`` those with the inputs, by the triangle inequality
+    of the Jaccard distance.
     """
 
     pair: TrunkPair
@@ -62,6 +66,10 @@ class Plan:
     offsets_p: IntArray
     arcs_q: FloatArray
     offsets_q: IntArray
+    followed_p: FloatArray
+    followed_q: FloatArray
+    expected_p: float
+    expected_q: float
     bound_p: float
     bound_q: float
 
@@ -69,6 +77,11 @@ class Plan:
     def bound(self) -> float:
         """Of the worse shape."""
         return min(self.bound_p, self.bound_q)
+
+    @property
+    def expected(self) -> float:
+        """Of the worse shape."""
+        return min(self.expected_p, self.expected_q)
 
 
 def plan_pair(pair: TrunkPair, parameters: ConstructParameters) -> Plan:
@@ -80,6 +93,10 @@ def plan_pair(pair: TrunkPair, parameters: ConstructParameters) -> Plan:
     trunk_p, trunk_q = make_conjugate(corners_p, corners_q)
     arcs_p, offsets_p = _swing(pair.outline_p, pair.trunk_p, trunk_q)
     arcs_q, offsets_q = _swing(pair.outline_q, pair.trunk_q[::-1], trunk_p[::-1])
+    followed_p = _followed(pair.outline_p, pair.trunk_p, trunk_p)
+    followed_q = _followed(pair.outline_q, pair.trunk_q[::-1], trunk_q[::-1])
+    expected_p = _least_change(trunk_q, arcs_p, offsets_p, followed_p, parameters.lines)
+    expected_q = _least_change(trunk_p, arcs_q, offsets_q, followed_q, parameters.lines)
     return Plan(
         pair,
         trunk_p,
@@ -88,8 +105,12 @@ def plan_pair(pair: TrunkPair, parameters: ConstructParameters) -> Plan:
         offsets_p,
         arcs_q,
         offsets_q,
-        _bound(trunk_q, arcs_p, offsets_p, parameters.lines),
-        _bound(trunk_p, arcs_q, offsets_q, parameters.lines),
+        followed_p,
+        followed_q,
+        expected_p,
+        expected_q,
+        min(1.0, expected_p + 1.0 - overlap_ratio(followed_p, pair.outline_p)),
+        min(1.0, expected_q + 1.0 - overlap_ratio(followed_q, pair.outline_q)),
     )
 
 
@@ -134,9 +155,17 @@ def _swing(outline: FloatArray, trunk: IntArray, target: FloatArray) -> tuple[Fl
     return out[:total], offsets
 
 
-def _bound(target: FloatArray, arcs: FloatArray, offsets: IntArray, lines: int) -> float:
+def _followed(outline: FloatArray, trunk: IntArray, moved: FloatArray) -> FloatArray:
+    """The outline, (m, 2), whose arcs have followed its trunk from ``trunk`` (n,) to ``moved`` (n, 2)."""
+    arcs, offsets = _swing(outline, trunk, moved)
+    return np.delete(arcs, offsets[1:] - 1, axis=0)
+
+
+def _least_change(target: FloatArray, arcs: FloatArray, offsets: IntArray, followed: FloatArray, lines: int) -> float:
+    """The highest IoU with the followed outline that an exact construction can have (theory §8)."""
     gaps, overlaps, outside = uncovered(np.ascontiguousarray(target), arcs, offsets, lines)
-    return float((1.0 - overlaps - outside) / (1.0 + gaps))
+    area = signed_area(followed)
+    return float((area - overlaps - outside) / (area + gaps))
 
 
 def _reverse_arcs(arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntArray]:

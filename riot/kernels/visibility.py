@@ -10,6 +10,9 @@ from riot.shape import FloatArray, IntArray
 _SAME_ANGLE = 1e-12
 """Directions closer than this, radians, are one ray."""
 
+_STRAIGHT = 1e-9
+"""A stretch of boundary no longer than its chord, up to this share, is straight."""
+
 
 @kernel
 def seen(points: FloatArray, lengths: FloatArray, k: int, angles: FloatArray) -> tuple[float, float, float]:
@@ -30,7 +33,7 @@ def seen(points: FloatArray, lengths: FloatArray, k: int, angles: FloatArray) ->
     cone = (np.arctan2(by, bx) - forward) % (2.0 * np.pi)
     count = 0
     for i in range(m):
-        if i == k or i == after or i == before:
+        if i in (k, after, before):
             continue
         angle = (np.arctan2(points[i, 1] - py, points[i, 0] - px) - forward) % (2.0 * np.pi)
         if angle < cone:
@@ -72,15 +75,23 @@ def seen(points: FloatArray, lengths: FloatArray, k: int, angles: FloatArray) ->
             end_x, end_y, end_s = _on_edge(ax, ay, ex, ey, forward + high)
             area += 0.5 * abs(start_x * end_y - start_y * end_x)
             base = (lengths[edge] - lengths[k]) % perimeter_all
-            hidden = max(hidden, base + start_s - last_s)
-            perimeter += np.hypot(start_x - last_x, start_y - last_y)
+            window = np.hypot(start_x - last_x, start_y - last_y)
+            hidden = max(hidden, _behind(base + start_s - last_s, window))
+            perimeter += window
             perimeter += np.hypot(end_x - start_x, end_y - start_y)
             last_x, last_y, last_s = end_x, end_y, base + end_s
         low = high
-    perimeter += np.hypot(bx - last_x, by - last_y)
+    window = np.hypot(bx - last_x, by - last_y)
+    perimeter += window
     last_edge = lengths[before + 1] - lengths[before]
-    hidden = max(hidden, perimeter_all - last_edge - last_s)
+    hidden = max(hidden, _behind(perimeter_all - last_edge - last_s, window))
     return area, perimeter, hidden
+
+
+@kernel
+def _behind(stretch: float, window: float) -> float:
+    """Length of a stretch of boundary behind a window; a straight one lies in the window itself and is seen."""
+    return stretch if stretch > window * (1.0 + _STRAIGHT) else 0.0
 
 
 @kernel

@@ -1,0 +1,199 @@
+"""Candidate vertices and trunks against brute force and shapely (paper §4.1)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+import shapely
+from blobs import blob, blob_polygon
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from riot.kernels.congruency import frechet
+from riot.kernels.visibility import seen_from
+from riot.parameters import L_C, TrunkParameters
+from riot.polyline import arc_length
+from riot.shape import Shape
+from riot.trunks import Trunks, admissible_edges, full_trunks, quick_trunks
+from riot.vertices import congruency, convex_points, passes_visibility, sparse_points
+
+SEEDS = st.integers(0, 10_000)
+
+
+def visible_area(points: np.ndarray, k: int, rays: int = 4000) -> float:
+    """Area seen from vertex k, by many rays."""
+    ring = shapely.LinearRing(points)
+    origin = points[k]
+    angles = (np.arange(rays) + 0.5) * (2.0 * math.pi / rays)
+    area = 0.0
+    start = origin + 1e-9 * (points.mean(axis=0) - origin)
+    polygon = shapely.Polygon(points)
+    for angle in angles:
+        far = start + 10.0 * np.array([math.cos(angle), math.sin(angle)])
+        inside = shapely.intersection(shapely.LineString([start, far]), polygon)
+        first = inside if inside.geom_type == "LineString" else inside.geoms[0]
+        if first.is_empty or first.geom_type != "LineString" or first.distance(shapely.Point(start)) > 1e-6:
+            continue
+        area += 0.5 * first.length**2 * (2.0 * math.pi / rays)
+    assert ring.is_simple
+    return area
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_visible_area_matches_ray_casting(seed: int) -> None:
+    points = blob_polygon(seed, waves=7, depth=0.5, count=60)
+    points = points / math.sqrt(shapely.Polygon(points).area)
+    indices = np.array([0, 17, 41])
+    found = seen_from(points, arc_length(points), indices)
+    for row, k in enumerate(indices):
+        assert found[row, 0] == pytest.approx(visible_area(points, int(k)), abs=4e-3)
+
+
+def test_convex_shape_is_seen_whole() -> None:
+    square = Shape.from_polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
+    indices = np.arange(len(square.points))
+    area, perimeter, hidden = seen_from(square.points, arc_length(square.points), indices).T
+    assert area == pytest.approx(1.0, abs=1e-9)
+    assert perimeter == pytest.approx(4.0, abs=1e-9)
+    assert hidden == pytest.approx(0.0, abs=1e-9)
+
+
+def test_l_shape_hides_one_leg() -> None:
+    # From the end of one leg of an L the window starts at the inner corner: all closed-form.
+    points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]])
+    area, _, hidden = seen_from(points, arc_length(points), np.array([1]))[0]
+    # The ray from (2, 0) through (1, 1) meets the left side at (0, 2): only the part beyond it is hidden.
+    assert area == pytest.approx(2.5)
+    assert hidden == pytest.approx(2.0)
+
+
+def naive_frechet(a: np.ndarray, b: np.ndarray) -> float:
+    distance = np.hypot(*(a[:, None] - b[None]).transpose(2, 0, 1))
+    reach = np.full(distance.shape, np.inf)
+    for i, j in itertools.product(range(len(a)), range(len(b))):
+        before = [reach[p, q] for p, q in ((i - 1, j), (i, j - 1), (i - 1, j - 1)) if p >= 0 and q >= 0]
+        reach[i, j] = max(distance[i, j], min(before, default=0.0))
+    return float(reach[-1, -1])
+
+
+@given(SEEDS, st.integers(2, 12))
+@settings(max_examples=30, deadline=None)
+def test_frechet_distance_matches_its_definition(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    a, b = rng.normal(size=(2, count, 2))
+    assert frechet(a, b, count, np.empty(count)) == pytest.approx(naive_frechet(a, b), abs=1e-12)
+
+
+def test_symmetric_point_is_congruent_with_itself() -> None:
+    # About the top of an isosceles triangle both sides are straight: turned by θ they coincide, all the way
+    # down to the corners, where the last sample turns off.
+    triangle = Shape.from_polygon([[-1.0, 0.0], [1.0, 0.0], [0.0, 3.0]])
+    top = int(triangle.points[:, 1].argmax())
+    found = congruency(triangle, np.array([top]), TrunkParameters())
+    assert found.turn[0] == pytest.approx(2.0 * math.pi - 2.0 * math.atan2(1.0, 3.0), abs=0.01)
+    assert found.score[0] > 0.95
+    assert found.length[0] > 0.3 * triangle.perimeter
+
+
+def is_convex(corners: np.ndarray) -> bool:
+    ahead = np.roll(corners, -1, axis=0) - corners
+    behind = corners - np.roll(corners, 1, axis=0)
+    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
+    return bool((cross > 0).all()) and shapely.Polygon(corners).is_valid
+
+
+@pytest.mark.parametrize("seed", [3, 8])
+def test_enumeration_matches_combinations(seed: int) -> None:
+    shape = blob(seed)
+    parameters = TrunkParameters(spacing=4.0, sparse_tolerance=0.08)
+    found = quick_trunks(shape, parameters)
+    candidates = sparse_points(shape, parameters)
+    candidates = candidates[passes_visibility(shape, candidates)]
+    admissible = admissible_edges(shape, candidates, parameters)
+    most = min(len(convex_points(shape, parameters)), parameters.max_vertices)
+    expected = set()
+    for n in range(3, most + 1):
+        for chosen in itertools.combinations(range(len(candidates)), n):
+            allowed = all(admissible[chosen[k], chosen[(k + 1) % n]] for k in range(n))
+            if allowed and is_convex(shape.points[candidates[list(chosen)]]):
+                expected.add(tuple(candidates[list(chosen)].tolist()))
+    assert {tuple(found.of(t).tolist()) for t in range(len(found))} == expected
+    assert len(expected) == len(found) > 0
+
+
+@given(SEEDS)
+@settings(max_examples=12, deadline=None)
+def test_every_trunk_keeps_the_papers_conditions(seed: int) -> None:
+    shape = blob(seed, waves=6)
+    parameters = TrunkParameters()
+    polygon = shapely.Polygon(shape.points).buffer(1e-9)
+    lengths = arc_length(shape.points)
+    convex = convex_points(shape, parameters)
+    for found in (quick_trunks(shape, parameters), full_trunks(shape, parameters)):
+        for t in np.linspace(0, len(found) - 1, min(8, len(found))).astype(int):
+            trunk = found.of(int(t))
+            corners = shape.points[trunk]
+            assert is_convex(corners)
+            assert 3 <= len(trunk) <= len(convex)
+            assert found.areas[t] == pytest.approx(_trunk_area_from_pieces(shape, trunk), abs=1e-9)
+            for k, start in enumerate(trunk):
+                stop = trunk[(k + 1) % len(trunk)]
+                edge = shapely.LineString([shape.points[start], shape.points[stop]])
+                assert edge.intersection(polygon).length >= parameters.min_inside * edge.length - 1e-6
+                assert (lengths[stop] - lengths[start]) % lengths[-1] < parameters.max_arc * lengths[-1]
+                between = np.arange(start + 1, stop) if stop > start else np.r_[start + 1 : len(lengths) - 1, 0:stop]
+                assert np.isin(convex, between).any()
+
+
+def _trunk_area_from_pieces(shape: Shape, trunk: np.ndarray) -> float:
+    area = float(shapely.Polygon(shape.points).area)
+    for k, start in enumerate(trunk):
+        stop = trunk[(k + 1) % len(trunk)]
+        arc = np.arange(start, stop + 1) if stop > start else np.r_[start : len(shape.points), 0 : stop + 1]
+        x, y = shape.points[arc].T
+        area -= 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+    return area
+
+
+def turned(shape: Shape, angle: float) -> Shape:
+    c, s = math.cos(angle), math.sin(angle)
+    return Shape(shape.points @ np.array([[c, s], [-s, c]]), shape.feature, shape.name)
+
+
+@given(SEEDS, st.floats(0.0, 6.28))
+@settings(max_examples=10, deadline=None)
+def test_trunks_turn_with_the_shape(seed: int, angle: float) -> None:
+    shape = blob(seed)
+    before, after = quick_trunks(shape), quick_trunks(turned(shape, angle))
+    # Ties in the conditions may fall either way by rounding, no more.
+    assert abs(len(before) - len(after)) <= 0.01 * len(before)
+    if np.array_equal(before.vertices, after.vertices):
+        assert after.edges == pytest.approx(before.edges, abs=1e-9)
+        assert after.alphas == pytest.approx(before.alphas, abs=1e-9)
+        assert after.thetas == pytest.approx(before.thetas, abs=1e-6)
+
+
+def test_trunks_are_ordered_and_survive_arrays() -> None:
+    found = full_trunks(blob(5))
+    order = list(zip(found.sizes, found.areas, strict=True))
+    assert order == sorted(order)
+    again = Trunks.from_arrays(found.to_arrays())
+    assert all(np.array_equal(value, again.to_arrays()[name]) for name, value in found.to_arrays().items())
+
+
+def test_long_thin_shape_may_have_no_trunk() -> None:
+    needle = Shape.from_polygon([[0.0, 0.0], [60.0, 0.0], [60.0, 1.0], [0.0, 1.0]])
+    assert len(quick_trunks(needle)) == 0
+    assert len(full_trunks(needle)) == 0
+
+
+def test_sparse_points_are_sparse() -> None:
+    shape = blob(11)
+    chosen = sparse_points(shape, TrunkParameters())
+    lengths = arc_length(shape.points)
+    gaps = np.diff(np.append(lengths[chosen], lengths[chosen[0]] + lengths[-1]))
+    assert gaps.max() < L_C / 15 + L_C / 100
+    assert len(chosen) < 0.5 * len(shape.points)

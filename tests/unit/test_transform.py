@@ -1,0 +1,152 @@
+"""Transform, poses, certificate, the .riot file and the command line."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from PIL import Image, ImageDraw
+
+from riot import FormatError, Transform
+from riot.certify import compare
+from riot.cli import main
+from riot.groundtruth import exact_pair, exact_transform
+from riot.riotfile import from_json, to_json
+from riot.transform import Piece
+
+
+@pytest.fixture(scope="module")
+def made() -> Transform:
+    return exact_transform(exact_pair(5, 2))
+
+
+def test_exact_pair_is_certified(made: Transform) -> None:
+    certificate = made.certificate()
+    assert certificate.passed
+    assert certificate.failure == ""
+    assert certificate.residual < 1e-12
+    assert made.deformation().iou == pytest.approx(1.0, abs=1e-9)
+    assert made.deformation().hausdorff_p < 1e-9
+
+
+def test_poses_at_the_ends_are_the_shapes(made: Transform) -> None:
+    for t, outline in ((0.0, made.outline_p()), (1.0, made.outline_q())):
+        union = shapely.union_all([shapely.Polygon(part) for part in made.parts(made.pose(t))])
+        assert union.symmetric_difference(shapely.Polygon(outline)).area < 1e-9
+
+
+@pytest.mark.parametrize("hinge", range(5))
+def test_any_hinge_may_be_the_open_one(made: Transform, hinge: int) -> None:
+    for t, still in ((0.0, made.pose(0.0)), (1.0, made.pose(1.0))):
+        pose = made.pose(t, open_hinge=hinge)
+        assert pose.origins == pytest.approx(still.origins, abs=1e-12)
+        assert np.exp(1j * pose.headings) == pytest.approx(np.exp(1j * still.headings), abs=1e-12)
+    # On the way all hinges but the open one hold.
+    pose = made.pose(0.4, open_hinge=hinge)
+    for j in range(len(made)):
+        end = pose.place(j - 1, np.array([[made.pieces[j - 1].length, 0.0]]))[0]
+        apart = float(np.hypot(*(end - pose.origins[j])))
+        assert (apart > 1e-3) if j == hinge else (apart < 1e-12)
+
+
+def test_pieces_stay_rigid(made: Transform) -> None:
+    areas = [shapely.Polygon(piece.polygon).area for piece in made.pieces]
+    for t in (0.1, 0.5, 0.9):
+        assert [shapely.Polygon(part).area for part in made.parts(made.pose(t))] == pytest.approx(areas, abs=1e-12)
+
+
+def test_certificate_sees_a_wrong_piece(made: Transform) -> None:
+    fat = made.pieces[0]
+    bulged = Piece(fat.length, fat.lower * np.array([1.0, 1.02]), fat.upper)
+    certificate = replace(made, pieces=(bulged, *made.pieces[1:])).certificate()
+    assert not certificate.passed
+    assert "Q: pieces" in certificate.failure
+    assert "P:" not in certificate.failure.replace("Q:", "")
+
+
+def test_certificate_sees_hinges_that_miss(made: Transform) -> None:
+    angles = made.angles.copy()
+    angles[1] += 1e-6
+    certificate = replace(made, angles=angles).certificate()
+    assert not certificate.passed
+    assert certificate.p.hinge > 1e-8
+    assert "hinges" in certificate.failure
+
+
+def test_certificate_sees_a_crossing_outline(made: Transform) -> None:
+    piece = made.pieces[0]
+    lower = np.concatenate([piece.lower[:1], piece.lower[1:-1][::-1], piece.lower[-1:]])
+    certificate = replace(made, pieces=(Piece(piece.length, lower, piece.upper), *made.pieces[1:])).certificate()
+    assert not certificate.passed
+    assert not certificate.p.simple
+
+
+def test_comparison_of_shifted_squares() -> None:
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    iou, far, mean = compare(square + np.array([0.2, 0.0]), square)
+    assert iou == pytest.approx(0.8 / 1.2)
+    assert far * 2.0 * math.sqrt(math.pi) == pytest.approx(0.2)
+    assert 0.0 < mean < far
+
+
+def test_file_reads_back_to_the_last_bit(made: Transform, tmp_path: Path) -> None:
+    path = tmp_path / "é 1.riot"
+    made.save(path)
+    again = Transform.load(path)
+    assert to_json(again) == path.read_text(encoding="utf-8") == to_json(made)
+    assert np.array_equal(again.outline_p(), made.outline_p())
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("not json", "not JSON"),
+        ("[1, 2]", "not a .riot file"),
+        ('{"format": "riot-transform", "version": 99}', "version 99"),
+        ('{"format": "riot-transform", "version": 1}', "damaged"),
+    ],
+)
+def test_other_files_are_refused(text: str, words: str) -> None:
+    with pytest.raises(FormatError, match=words):
+        from_json(text)
+
+
+def test_damaged_numbers_are_refused(made: Transform) -> None:
+    document = json.loads(to_json(made))
+    document["pieces"][0]["lower"][0] = [1.0]
+    with pytest.raises(FormatError, match="damaged"):
+        from_json(json.dumps(document))
+
+
+def draw(path: Path, points: list[tuple[float, float]]) -> Path:
+    picture = Image.new("L", (240, 240), 255)
+    ImageDraw.Draw(picture).polygon(points, fill=0)
+    picture.save(path)
+    return path
+
+
+def test_make_writes_transform_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    house = draw(tmp_path / "house.png", [(40, 210), (40, 110), (120, 30), (200, 110), (200, 210)])
+    kite = draw(tmp_path / "kite.png", [(120, 20), (210, 110), (120, 225), (40, 110)])
+    assert main(["make", str(house), str(kite), "-o", str(tmp_path / "out")]) == 0
+    printed = capsys.readouterr().out
+    assert "certificate: passed" in printed
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == sorted(f"house--kite{suffix}" for suffix in (".riot", ".svg", ".png", ".swing.svg"))
+    assert Transform.load(tmp_path / "out" / "house--kite.riot").certificate().passed
+    assert main(["show", str(tmp_path / "out" / "house--kite.riot")]) == 0
+
+
+def test_make_tells_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = tmp_path / "text.png"
+    text.write_text("no picture")
+    assert main(["make", str(text), str(text), "-o", str(tmp_path / "out")]) == 2
+    assert "text.png" in capsys.readouterr().err
+    assert main(["show", str(tmp_path / "missing.riot")]) == 2
+    assert "missing.riot" in capsys.readouterr().err
