@@ -8,6 +8,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -21,7 +22,7 @@ from pipeline.store import PAYLOAD
 from pipeline.tables import SCHEMAS
 from riot.transform import Transform
 
-CLEAN, BAD_START, WITH_ERRORS = 0, 2, 3
+CLEAN, BAD_START, WITH_ERRORS, INTERRUPTED = 0, 2, 3, 130
 QUICK = ("batch=4", "select.top=3", "construct.candidates=2", "select.per_shape=2")
 TIMED = {"timings.parquet", "run.json", "report.html"}
 """Files that hold times, and so differ between equal runs."""
@@ -232,6 +233,26 @@ def test_a_killed_run_goes_on_where_it_was(after: str, finished: Path, root: Pat
     assert done.returncode == CLEAN, done.stdout + done.stderr
     assert stages(tmp_path)[after]["computed"] == 0
     assert digests(tmp_path) == digests(finished)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="process groups are POSIX")
+def test_an_interrupt_says_how_to_go_on(root: Path, tmp_path: Path) -> None:
+    with subprocess.Popen(
+        command(tmp_path, root, "cluster=local", "cluster.workers=2"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        start_new_session=True,
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.startswith("ingest"):
+                break
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers too
+        _, said = process.communicate(timeout=120)
+    assert process.returncode == INTERRUPTED
+    assert "the same command goes on" in said and "Traceback" not in said
 
 
 def test_bad_pictures_are_rows_and_the_run_goes_on(root: Path, tmp_path: Path) -> None:
