@@ -10,11 +10,12 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from pipeline.artifact import canonical_json
 from pipeline.config import Config
 from pipeline.datasets import collect
 from pipeline.plan import Plan, WorkItem, make_plan, plan_construct, plan_crs, plan_full_trunks, plan_select
 from pipeline.stages import BY_NAME
-from pipeline.store import Entry, State, Store
+from pipeline.store import State, Store
 
 Changes = tuple[str, ...]
 
@@ -105,46 +106,61 @@ def show_explanation(forecasts: Sequence[StageForecast], store: Store, console: 
 
 
 def reasons(missing: Iterable[WorkItem], store: Store) -> Counter[str]:
-    """Why work items are not in the store, counted: against the stored item of the same stage that is nearest."""
+    """Why work items are not in the store, counted: against the nearest of what the store has of the same stage."""
     found: Counter[str] = Counter()
-    known: dict[str, list[Entry]] = {}
+    known: dict[str, list[Known]] = {}
     for item in missing:
         if item.stage not in known:
-            known[item.stage] = list(store.entries(item.stage))
+            known[item.stage] = gather(entry.parts for entry in store.entries(item.stage))
         if store.state(*item.reference) is State.CORRUPT:
             found["corrupt: the stored artifact is torn, truncated or altered"] += 1
-            continue
-        found["; ".join(explain(item.parts.to_json(), [entry.parts for entry in known[item.stage]]))] += 1
+        else:
+            found["; ".join(explain(item.parts.to_json(), known[item.stage]))] += 1
     return found
 
 
-def explain(parts: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> Changes:
-    """Which components of a key differ from the nearest of the ``known`` keys, with old and new values."""
+@dataclass(frozen=True)
+class Known:
+    """Stored keys that differ in their inputs only: what they share, and all their inputs."""
+
+    shared: Mapping[str, Any]
+    inputs: frozenset[str]
+
+
+def gather(stored: Iterable[Mapping[str, Any]]) -> list[Known]:
+    """Group the parts of stored keys by everything but their inputs, so that thousands of keys are a few groups."""
+    groups: dict[str, tuple[Mapping[str, Any], set[str]]] = {}
+    for parts in stored:
+        shared = _shared(parts)
+        groups.setdefault(canonical_json(shared), (shared, set()))[1].update(parts["inputs"])
+    return [Known(shared, frozenset(inputs)) for shared, inputs in groups.values()]
+
+
+def explain(parts: Mapping[str, Any], known: Sequence[Known]) -> Changes:
+    """Which components of a key differ from the nearest of the ``known`` ones, with old and new values."""
     if not known:
         return ("new: nothing of this stage is in the store",)
-    nearest = min(known, key=lambda old: _distance(parts, old))
-    changes: list[str] = []
-    for component in ("schema", "parameters", "code", "versions"):
-        changes += _differences(component, nearest.get(component), parts.get(component))
+    new, inputs = _shared(parts), set(parts["inputs"])
+    nearest = min(known, key=lambda old: (len(_differences("", old.shared, new)), -len(inputs & old.inputs)))
+    changes = _differences("", nearest.shared, new)
     if changes:
         return tuple(changes)
-    shared = len(set(parts["inputs"]) & set(nearest["inputs"]))
-    return (f"inputs: {len(parts['inputs']) - shared} of {len(parts['inputs'])} are new",)
+    if inputs <= nearest.inputs:
+        return ("inputs: known ones in a new combination, or under other names",)
+    return (f"inputs: {len(inputs - nearest.inputs)} of {len(inputs)} are new",)
 
 
-def _distance(parts: Mapping[str, Any], old: Mapping[str, Any]) -> tuple[int, int]:
-    changed = sum(
-        len(_differences(component, old.get(component), parts.get(component)))
-        for component in ("schema", "parameters", "code", "versions")
-    )
-    return changed, -len(set(parts["inputs"]) & set(old["inputs"]))
+def _shared(parts: Mapping[str, Any]) -> dict[str, Any]:
+    # parameters.item is what tells one work item from another beside its inputs.
+    parameters = {name: value for name, value in parts["parameters"].items() if name != "item"}
+    return {"schema": parts["schema"], "parameters": parameters, "code": parts["code"], "versions": parts["versions"]}
 
 
 def _differences(name: str, old: Any, new: Any) -> list[str]:
     if isinstance(old, Mapping) and isinstance(new, Mapping):
         found = []
         for part in sorted(old.keys() | new.keys()):
-            found += _differences(f"{name}.{part}", old.get(part), new.get(part))
+            found += _differences(f"{name}.{part}".lstrip("."), old.get(part), new.get(part))
         return found
     if old == new:
         return []

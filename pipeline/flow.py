@@ -26,7 +26,7 @@ from pipeline.plan import (
     plan_full_trunks,
     plan_select,
 )
-from pipeline.record import RECORD, holds, outcome_digest, write_record
+from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results
 from pipeline.store import write_atomically
 from pipeline.write import write_tables
@@ -34,8 +34,6 @@ from riot.shape import FloatArray
 
 CLEAN, BAD_START, WITH_ERRORS = 0, 2, 3
 """Exit codes: all well; could not start; finished, with rows in the table of errors."""
-
-REPORT = "report.html"
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from pipeline.store import write_atomically
 
 RECORD = "run.json"
 ARTIFACTS = "artifacts.json"
+REPORT = "report.html"
 FORMAT = "riot-run"
 VERSION = 1
 SHOWING = ("pipeline.write", "pipeline.report")
@@ -109,9 +110,9 @@ def read_record(folder: Path) -> dict[str, Any] | None:
 
 
 def holds(folder: Path, digest: str) -> bool:
-    """Whether ``folder`` holds a finished run of this outcome with every file as it was written."""
+    """Whether ``folder`` holds a finished run of this outcome with its report and every file as it was written."""
     record = read_record(folder)
-    if record is None or record.get("outcome") != digest:
+    if record is None or record.get("outcome") != digest or REPORT not in record["files"]:
         return False
     try:
         return all(digest_bytes((folder / name).read_bytes()) == found for name, found in record["files"].items())

@@ -1,0 +1,67 @@
+"""Explanations: the component of the key that changed, old and new."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.artifact import Artifact
+from pipeline.explain import explain, gather, reasons
+from pipeline.keys import KeyParts
+from pipeline.plan import WorkItem
+from pipeline.store import PAYLOAD, Store
+
+
+def parts(**changes: Any) -> KeyParts:
+    values = {
+        "stage": "crs",
+        "parameters": {"crs": {"lines": 128, "sigma_e": 0.1}},
+        "inputs": ("a", "b"),
+        "code": {"riot.cross": "aaaaaaaaaaaa"},
+        "versions": {"numpy": "2.0"},
+    }
+    return KeyParts(**{**values, **changes})
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"parameters": {"crs": {"lines": 64, "sigma_e": 0.1}}}, "parameters.crs.lines 128 → 64"),
+        ({"code": {"riot.cross": "bbbbbbbbbbbb"}}, "code.riot.cross aaaaaaaa → bbbbbbbb"),
+        ({"code": {"riot.cross": "aaaaaaaaaaaa", "riot.new": "cccccccccccc"}}, "code.riot.new absent → cccccccc"),
+        ({"versions": {"numpy": "2.1"}}, "versions.numpy '2.0' → '2.1'"),
+        ({"inputs": ("a", "c")}, "inputs: 1 of 2 are new"),
+        ({"inputs": ("b", "a")}, "inputs: known ones in a new combination, or under other names"),
+        ({"schema": 2}, "schema 1 → 2"),
+    ],
+)
+def test_what_changed_is_named(changes: dict[str, Any], words: str) -> None:
+    assert explain(parts(**changes).to_json(), gather([parts().to_json()])) == (words,)
+
+
+def test_the_nearest_stored_key_is_compared() -> None:
+    far = parts(
+        code={"riot.cross": "dddd"}, versions={"numpy": "1.0"}, parameters={"crs": {"lines": 1, "sigma_e": 9.0}}
+    )
+    found = explain(parts(versions={"numpy": "2.1"}).to_json(), gather([far.to_json(), parts().to_json()]))
+    assert found == ("versions.numpy '2.0' → '2.1'",)
+
+
+def test_misses_are_counted_by_reason(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    damaged = parts(inputs=("x", "y"))
+    for known in (parts(), damaged):
+        store.put(known, Artifact())
+    payload = store.folder("crs", damaged.key()) / PAYLOAD
+    payload.write_bytes(payload.read_bytes()[:-1])
+    items = [damaged, parts(inputs=("a", "c")), parts(inputs=("c", "b")), parts(versions={"numpy": "3"})]
+    found = reasons([WorkItem(one, (), (), None, ()) for one in items], store)
+    assert found["inputs: 1 of 2 are new"] == 2 and found["versions.numpy '2.0' → '3'"] == 1
+    assert sum(count for text, count in found.items() if text.startswith("corrupt")) == 1
+
+
+def test_an_empty_store_explains_itself(tmp_path: Path) -> None:
+    (text,) = reasons([WorkItem(parts(), (), (), None, ())], Store(tmp_path))
+    assert text.startswith("new")
