@@ -10,6 +10,7 @@ import numpy as np
 from riot.kernels.coverage import area_terms
 from riot.kernels.pairs import Sigmas, cheap_bounds, mirrored
 from riot.parameters import D_C, CrsParameters
+from riot.polyline import swept_area
 from riot.quick import corresponding, mirrored_side, side, stack
 from riot.shape import FloatArray, IntArray, Shape
 from riot.trunks import Trunks, full_trunks
@@ -130,16 +131,14 @@ def _candidates(
 def piece_areas(shape: Shape, trunks: Trunks) -> FloatArray:
     """(s,) signed area of the exterior piece on every edge of every trunk."""
     points = shape.points
-    following = np.roll(points, -1, axis=0)
-    cross = points[:, 0] * following[:, 1] - points[:, 1] * following[:, 0]
-    running = np.concatenate([[0.0], np.cumsum(cross)])
+    running = swept_area(points)
     start = trunks.vertices.astype(np.int64)
     ahead = np.arange(len(start)) + 1
     ahead[trunks.offsets[1:] - 1] = trunks.offsets[:-1]
     stop = start[ahead]
     swept = running[stop] - running[start] + np.where(stop < start, running[-1], 0.0)
     chord = points[stop, 0] * points[start, 1] - points[stop, 1] * points[start, 0]
-    areas: FloatArray = 0.5 * (swept + chord)
+    areas: FloatArray = swept + 0.5 * chord
     return areas
 
 

@@ -15,7 +15,7 @@ import shapely
 
 from riot.errors import ConstructionError
 from riot.parameters import L_C
-from riot.polyline import centroid, edge_lengths, interior_angles, signed_area, simplify
+from riot.polyline import centroid, edge_lengths, signed_area, simplify, trunk_angles
 from riot.pose import Placement
 from riot.shape import FloatArray, Shape
 from riot.transform import Piece, Transform
@@ -91,7 +91,7 @@ def exact_pair(n: int, seed: int, *, curved: bool = True, topology: Topology = "
         if trunks is None:
             continue
         v, w = trunks
-        hinges = _angles(v) + _angles(w)
+        hinges = trunk_angles(v) + trunk_angles(w)
         if hinges.min() < HINGE_ANGLES[0] or hinges.max() > HINGE_ANGLES[1]:
             continue
         # A corner on two legs of 0.5 has this height; longer ones are rare.
@@ -138,13 +138,12 @@ def dudeney() -> ExactPair:
 
 def exact_transform(pair: ExactPair) -> Transform:
     """The pair as a `riot.transform.Transform`, its inputs being its own outlines."""
-    angles, conjugate = _angles(pair.trunk_p), _angles(pair.trunk_q)
     return Transform(
         pair.pieces,
-        angles,
-        conjugate,
-        _placement(pair.trunk_p),
-        _placement(pair.trunk_q),
+        trunk_angles(pair.trunk_p),
+        trunk_angles(pair.trunk_q),
+        Placement.of(pair.trunk_p),
+        Placement.of(pair.trunk_q),
         Shape(pair.p, np.ones(len(pair.p), dtype=np.bool_), "P"),
         Shape(pair.q, np.ones(len(pair.q), dtype=np.bool_), "Q"),
         pair.trunk_p,
@@ -152,18 +151,6 @@ def exact_transform(pair: ExactPair) -> Transform:
         1.0,
         1.0,
     )
-
-
-def _placement(trunk: FloatArray) -> Placement:
-    edge = trunk[1] - trunk[0]
-    return Placement(float(trunk[0, 0]), float(trunk[0, 1]), math.atan2(edge[1], edge[0]))
-
-
-def _angles(trunk: FloatArray) -> FloatArray:
-    """Angles, (n,), of a convex polygon in either orientation."""
-    if signed_area(trunk) > 0:
-        return interior_angles(trunk)
-    return interior_angles(trunk[::-1].copy())[::-1].copy()
 
 
 def _conjugate_polygons(rng: np.random.Generator, n: int) -> tuple[FloatArray, FloatArray] | None:

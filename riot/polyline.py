@@ -48,6 +48,17 @@ def arc_length(points: FloatArray) -> FloatArray:
     return lengths
 
 
+def swept_area(points: FloatArray) -> FloatArray:
+    """Signed area swept by the ray from the origin to a closed polygon, from vertex 0 to each vertex, (m + 1,).
+
+    The last is the polygon's area; the region between a stretch of boundary and its chord has the difference of two
+    entries, plus the chord's own triangle with the origin.
+    """
+    following = np.roll(points, -1, axis=0)
+    cross = points[:, 0] * following[:, 1] - points[:, 1] * following[:, 0]
+    return np.concatenate([[0.0], np.cumsum(0.5 * cross)])
+
+
 def interior_angles(points: FloatArray) -> FloatArray:
     """Interior angles, (m,), radians in [0, 2π), of a counter-clockwise polygon; more than π is concave.
 
@@ -61,6 +72,12 @@ def interior_angles(points: FloatArray) -> FloatArray:
     angles: FloatArray = np.arctan2(cross, dot)
     angles[angles < 0.0] += 2.0 * np.pi
     return angles
+
+
+def trunk_angles(points: FloatArray) -> FloatArray:
+    """Interior angles, (n,), radians in (0, π), of a convex polygon listed in either orientation."""
+    angles = interior_angles(points)
+    return np.minimum(angles, 2.0 * np.pi - angles)
 
 
 def is_simple(points: FloatArray) -> bool:

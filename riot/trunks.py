@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from riot.kernels.enumerate import enumerate_convex, inside_shares
 from riot.parameters import D_C, L_C, TrunkParameters
-from riot.polyline import arc_length
+from riot.polyline import arc_length, swept_area
 from riot.reversibility import Reversibility, cut_off, reversibility
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
 from riot.vertices import (
@@ -137,14 +137,11 @@ def admissible_edges(shape: Shape, candidates: IntArray, parameters: TrunkParame
 
 def exterior_areas(points: FloatArray, candidates: IntArray) -> FloatArray:
     """(c, c) signed area between the boundary from candidate i to j and the edge i–j; positive outside the edge."""
-    following = np.roll(points, -1, axis=0)
-    cross = points[:, 0] * following[:, 1] - points[:, 1] * following[:, 0]
-    running = np.concatenate([[0.0], np.cumsum(cross)])
+    running = swept_area(points)
     swept = running[candidates][None, :] - running[candidates][:, None]
     swept = np.where(candidates[None, :] < candidates[:, None], swept + running[-1], swept)
     x, y = points[candidates].T
-    chord = x[None, :] * y[:, None] - y[None, :] * x[:, None]
-    areas: FloatArray = 0.5 * (swept + chord)
+    areas: FloatArray = swept + 0.5 * (x[None, :] * y[:, None] - y[None, :] * x[:, None])
     return areas
 
 

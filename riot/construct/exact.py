@@ -16,7 +16,7 @@ from riot.errors import ConstructionError
 from riot.kernels.coverage import swung_arcs, uncovered
 from riot.kernels.distances import signed_distances
 from riot.parameters import L_C, ConstructParameters
-from riot.polyline import edge_lengths, interior_angles, signed_area
+from riot.polyline import edge_lengths, signed_area, trunk_angles
 from riot.pose import Placement, rotate
 from riot.shape import FloatArray, IntArray, Shape
 from riot.transform import Piece, Transform
@@ -135,8 +135,8 @@ def construct_plan(plan: Plan, parameters: ConstructParameters) -> Transform:
         )
     return Transform(
         pieces=tuple(pieces),
-        angles=interior_angles(plan.trunk_p),
-        conjugate_angles=interior_angles(plan.trunk_q[::-1])[::-1].copy(),
+        angles=trunk_angles(plan.trunk_p),
+        conjugate_angles=trunk_angles(plan.trunk_q),
         place_p=Placement.of(plan.trunk_p),
         place_q=Placement.of(plan.trunk_q),
         p=plan.pair.p,
