@@ -39,7 +39,7 @@ class Stage:
 STAGES = (
     Stage("ingest", ("shape",), "batches of pictures"),
     Stage("reversibility", ("reversibility",), "batches of shapes"),
-    Stage("trunks", ("trunks",), "batches of shapes"),
+    Stage("trunks", ("trunks", "reversibility"), "batches of shapes"),
     Stage("qcrs", ("qcrs",), "blocks of pairs", bundle=4),
     Stage("select", ("select",), "selection"),
     Stage("trunks_full", ("trunks",), "shapes", bundle=4),

@@ -9,13 +9,15 @@ import numpy as np
 
 from pipeline.artifact import Artifact
 from pipeline.work.items import ErrorRow, attempt, count_shapes, pack_trunks, unpack_shape
+from riot.reversibility import reversibility
+from riot.shape import Shape
 from riot.trunks import Trunks, quick_trunks
 from riot.vertices import sparse_points
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
     """Batch of shapes → `pipeline.work.items.pack_trunks` arrays and ``sparse`` (k,) int64, the sparse point counts."""
-    (batch,), (settings,) = inputs, parameters
+    (batch,), (settings, necks) = inputs, parameters
     errors: list[ErrorRow] = []
     found: list[Trunks | None] = []
     sparse = np.zeros(count_shapes(batch), dtype=np.int64)
@@ -24,7 +26,11 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Ar
         if shape is None:
             found.append(None)
             continue
-        found.append(attempt(index, lambda shape=shape: quick_trunks(shape, settings), errors))  # type: ignore[misc]
+
+        def trunks(shape: Shape = shape) -> Trunks:
+            return quick_trunks(shape, settings, reversibility(shape, necks))
+
+        found.append(attempt(index, trunks, errors))
         points = attempt(index, lambda shape=shape: sparse_points(shape, settings), [])  # type: ignore[misc]
         sparse[index] = 0 if points is None else len(points)
     return Artifact({**pack_trunks(found), "sparse": sparse}, {"errors": errors})
