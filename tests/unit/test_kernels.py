@@ -1,0 +1,55 @@
+"""Rules that every compiled kernel keeps."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import pkgutil
+from pathlib import Path
+
+import pytest
+
+import riot.kernels
+from riot.kernels.warm import warm_all
+
+MODULES = sorted(
+    module.name for module in pkgutil.iter_modules(riot.kernels.__path__) if module.name not in {"options", "warm"}
+)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_kernel_modules_do_not_call_each_other(name: str) -> None:
+    # Numba's cache of a kernel is renewed when its own file changes, not when a file changes whose kernels it calls.
+    tree = ast.parse((Path(riot.kernels.__path__[0]) / f"{name}.py").read_text(encoding="utf-8"))
+    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert {module for module in imported if module and module.startswith("riot.kernels")} == {"riot.kernels.options"}
+
+
+def called_kernels() -> list[tuple[str, str]]:
+    """(module, name) of every kernel that the library calls from outside the kernels."""
+    root = Path(riot.kernels.__path__[0])
+    found = set()
+    for path in root.parent.rglob("*.py"):
+        if path.parent == root:
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("riot.kernels."):
+                module = importlib.import_module(str(node.module))
+                names = {alias.name for alias in node.names}
+                found |= {(module.__name__, name) for name in names if hasattr(getattr(module, name), "py_func")}
+    return sorted(found)
+
+
+@pytest.mark.parametrize(("module", "name"), called_kernels())
+def test_every_kernel_is_compiled_before_it_is_needed(module: str, name: str) -> None:
+    imported = importlib.import_module(module)
+    called = getattr(imported, name)
+    imported.warm()
+    assert called.signatures
+
+
+def test_kernels_in_the_cache_are_ready_without_a_word() -> None:
+    warm_all(lambda text: None)
+    said: list[str] = []
+    warm_all(said.append)
+    assert said == []
