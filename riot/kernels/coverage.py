@@ -171,3 +171,6 @@ def warm() -> None:
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     trunk = np.arange(4, dtype=np.int64)[None]
     area_terms(square, square, trunk, np.ascontiguousarray(trunk[:, ::-1]), 8)
+    arcs, offsets = np.empty((8, 2)), np.empty(5, dtype=np.int64)
+    swung_arcs(square, trunk[0], square, arcs, offsets)
+    uncovered(square, arcs, offsets, 8)
