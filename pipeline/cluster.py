@@ -21,8 +21,6 @@ Bundle = Sequence[WorkItem]
 MAX_ATTEMPTS = 3
 """A task is tried so often when workers are lost under it."""
 
-CONNECT_SECONDS = 30
-
 
 class Executor(Protocol):
     """Does bundles of work items in any order."""
@@ -126,7 +124,7 @@ def _local(config: ClusterConfig) -> Iterator[Any]:
             n_workers=config.workers or os.cpu_count() or 1,
             threads_per_worker=1,
             processes=True,
-            dashboard_address=":8787" if config.dashboard else None,
+            dashboard_address=":8787" if config.dashboard else ":0",  # None would try 8787 all the same
             memory_limit=0,  # a limit would kill by the machine's size, so that results would depend on it
             env=ONE_THREAD,
             silence_logs=logging.CRITICAL,
@@ -154,13 +152,20 @@ def _external(config: ClusterConfig) -> Iterator[Any]:
 
     _quiet()
     try:
-        client = Client(config.address, timeout=CONNECT_SECONDS)
+        client = Client(config.address, timeout=config.wait)
     except (OSError, TimeoutError, ValueError) as error:
         raise StartError(
             f"cluster.address={config.address}: no Dask scheduler answers there ({error}); "
             "start one with `dask scheduler` and workers with `dask worker`, or use cluster=local"
         ) from error
     with client:
+        try:
+            client.wait_for_workers(1, timeout=config.wait)
+        except TimeoutError as error:
+            raise StartError(
+                f"cluster.address={config.address}: the scheduler has no worker after {config.wait} s; start some with "
+                f"`dask worker {config.address}`, or wait longer with cluster.wait=SECONDS"
+            ) from error
         yield client
 
 

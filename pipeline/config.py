@@ -49,6 +49,8 @@ class ClusterConfig:
     """Worker processes of ``local``; null = one for each CPU."""
     address: str | None = None
     """Scheduler of ``external``, such as tcp://host:8786."""
+    wait: int = 30
+    """Seconds that ``external`` waits for the scheduler and its first worker."""
     dashboard: bool = False
     """Serve Dask's dashboard (``local``)."""
 
