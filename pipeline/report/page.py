@@ -86,8 +86,7 @@ def _gallery(run: Run, cards: Sequence[Card]) -> str:
     thumbs = "".join(one.thumb for one in cards)
     note = (
         "Least deformed first. IoU compares what the pieces make with the input, of the worse of the two shapes; "
-        "its bound is the greatest value that these trunks allow for the outline as it is once they are conjugate, "
-        "so that a result can lie a little above it."
+        "no exact construction on the same trunks can pass its bound."
     )
     body = f'<div class="thumbs">{thumbs}</div>\n{"".join(one.body for one in cards)}'
     return section("gallery", "Gallery", body, note)
