@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from riot.certify import overlap_ratio
 from riot.construct.exact import Plan, TrunkPair, construct_plan, plan_pair
 from riot.cross import CrossScore, best_trunk_pairs
 from riot.errors import ConstructionError, TrunkError
@@ -93,7 +94,7 @@ def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) 
         except ConstructionError as error:
             failures.append(error)
             continue
-        iou = made.deformation().iou
+        iou = min(overlap_ratio(made.outline_p(), made.p.points), overlap_ratio(made.outline_q(), made.q.points))
         if iou > best_iou:
             best, best_iou = made, iou
     if best is None:

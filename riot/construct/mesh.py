@@ -1,17 +1,13 @@
-"""A triangle mesh of a convex polygon whose boundary vertices lie on the polygon's edges."""
+"""A triangle mesh of a convex polygon: rings around its middle, whose last is the polygon itself."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import Delaunay
 
+from riot.polyline import signed_area
 from riot.shape import FloatArray, IntArray
-
-_BULGE = 1e-5
-"""How far, in units of the edge's length, boundary vertices are moved outwards before triangulation, so that rounding
-cannot hide one of a row of collinear points behind its neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,14 +17,15 @@ class Mesh:
     Parameters
     ----------
     points : (k, 2) float64
-        The first ``len(edge)`` are the boundary, counter-clockwise, from corner 0.
+        The first ``len(edge)`` are the boundary, counter-clockwise, from corner 0; the last is the middle.
     triangles : (t, 3) int64
+        Counter-clockwise.
     edge : (b,) int64
         Polygon edge of each boundary vertex; a corner belongs to the edge that starts there.
     corners : (n,) int64
         The polygon's corners among the points.
     spacing : float
-        Distance of neighbouring grid points.
+        Typical distance of neighbouring points.
     """
 
     points: FloatArray
@@ -39,58 +36,44 @@ class Mesh:
 
 
 def mesh_convex(polygon: FloatArray, spacing: float) -> Mesh:
-    """Mesh a counter-clockwise convex (n, 2) polygon with a triangular grid of the given spacing."""
-    boundary, edge, corners = _sample_boundary(polygon, spacing)
-    inner = _grid_inside(polygon, spacing)
-    points = np.concatenate([boundary, inner])
-    bulged = np.concatenate([boundary + _outwards(polygon, boundary, edge), inner])
-    triangles = Delaunay(bulged).simplices.astype(np.int64)
-    return Mesh(points, triangles, edge, corners, spacing)
+    """Mesh a counter-clockwise convex (n, 2) polygon with about as many points as a grid of the given spacing has.
 
-
-def _sample_boundary(polygon: FloatArray, spacing: float) -> tuple[FloatArray, IntArray, IntArray]:
-    points, edges, corners = [], [], []
-    count = 0
-    for k, start in enumerate(polygon):
-        step = polygon[(k + 1) % len(polygon)] - start
-        parts = max(2, int(np.ceil(np.hypot(*step) / spacing)))
-        points.append(start + np.arange(parts)[:, None] / parts * step)
-        edges.append(np.full(parts, k))
-        corners.append(count)
-        count += parts
-    return np.concatenate(points), np.concatenate(edges).astype(np.int64), np.array(corners, dtype=np.int64)
-
-
-def _outwards(polygon: FloatArray, boundary: FloatArray, edge: IntArray) -> FloatArray:
-    """A parabola over every edge: strictly convex, zero at the corners."""
-    start, stop = polygon[edge], polygon[(edge + 1) % len(polygon)]
-    along = stop - start
-    lengths = np.hypot(along[:, 0], along[:, 1])
-    u = np.hypot(*(boundary - start).T) / lengths
-    normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / lengths[:, None]
-    bulge: FloatArray = normal * (4.0 * u * (1.0 - u) * lengths * _BULGE)[:, None]
-    return bulge
-
-
-def _grid_inside(polygon: FloatArray, spacing: float) -> FloatArray:
-    """Points of a triangular grid that lie inside, at least half a spacing from every edge.
-
-    The grid hangs on the polygon's first edge, so that the mesh turns with the polygon.
+    The triangles between the polygon's middle and its edges are all divided alike, into r² similar ones, so that they
+    fit together and need no search: the mesh turns, moves and grows with the polygon.
     """
-    origin = polygon[0]
-    axis = polygon[1] - origin
-    axis = axis / np.hypot(*axis)
-    frame = np.array([axis, [-axis[1], axis[0]]])
-    local = (polygon - origin) @ frame.T
-    low, high = local.min(axis=0), local.max(axis=0)
-    rows = np.arange(np.floor(low[1] / spacing), np.ceil(high[1] / spacing) / np.sqrt(0.75) + 1)
-    columns = np.arange(np.floor(low[0] / spacing) - 1, np.ceil(high[0] / spacing) + 1)
-    x = columns[None, :] + 0.5 * np.mod(rows, 2)[:, None]
-    y = np.broadcast_to(rows[:, None] * np.sqrt(0.75), x.shape)
-    grid = np.stack([x.ravel(), y.ravel()], axis=1) * spacing
-    along = np.roll(local, -1, axis=0) - local
-    normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.hypot(along[:, 0], along[:, 1])[:, None]
-    depth = (grid[:, None, :] - local[None]) * normal[None]
-    inside = (depth.sum(axis=2) > 0.5 * spacing).all(axis=1)
-    placed: FloatArray = grid[inside] @ frame + origin
-    return placed
+    n = len(polygon)
+    triangle = np.sqrt(0.1875) * spacing**2  # half a cell of the triangular grid
+    rings = max(4, int(np.ceil(np.sqrt(signed_area(polygon) / (n * triangle)))))
+    middle = polygon.mean(axis=0)
+    spokes = polygon - middle
+    # Ring r has r points on each side, from spoke to spoke; rings are listed from the outermost inwards.
+    points = [_ring(spokes, r, rings) for r in range(rings, 0, -1)]
+    first = n * (rings * (rings + 1) - np.arange(rings + 2) * (np.arange(rings + 2) + 1)) // 2
+    # first[r] is where ring r + 1's points end, that is where ring r's begin.
+    triangles = [_between(n, r, int(first[r]), int(first[r + 1])) for r in range(rings)]
+    placed = middle + np.concatenate([*points, np.zeros((1, 2))])
+    corners = np.arange(n) * rings
+    placed[corners] = polygon  # to the last bit: the dissection's leaves are here
+    return Mesh(placed, np.concatenate(triangles), np.repeat(np.arange(n), rings), corners, spacing)
+
+
+def _ring(spokes: FloatArray, r: int, rings: int) -> FloatArray:
+    """(n r, 2) points of ring r, relative to the middle."""
+    share = np.arange(r)[None, :, None]
+    onward = np.roll(spokes, -1, axis=0)
+    ring: FloatArray = ((r - share) * spokes[:, None] + share * onward[:, None]) / rings
+    return ring.reshape(-1, 2)
+
+
+def _between(n: int, r: int, inner: int, outer: int) -> IntArray:
+    """Triangles between ring r, whose points start at ``inner``, and ring r + 1, whose points start at ``outer``."""
+    side = np.repeat(np.arange(n), r + 1)
+    step = np.tile(np.arange(r + 1), n)
+    within = inner + (side * r + step) % max(n * r, 1)
+    beyond = outer + side * (r + 1) + step
+    after = outer + (side * (r + 1) + step + 1) % (n * (r + 1))
+    outwards = np.stack([within, beyond, after], axis=1)
+    rest = step < r
+    following = inner + (side * r + step + 1) % max(n * r, 1)
+    inwards = np.stack([within, after, following], axis=1)[rest]
+    return np.concatenate([outwards, inwards]).astype(np.int64)

@@ -63,12 +63,9 @@ def _check_contact(mesh: Mesh, labels: IntArray, distances: FloatArray, allowed:
 
 
 def _links(mesh: Mesh) -> IntArray:
-    """(e, 2) mesh edges, each once, smaller index first."""
+    """(3 t, 2) sides of all triangles; those between two triangles come twice."""
     a, b, c = mesh.triangles.T
-    start, stop = np.concatenate([a, b, c]), np.concatenate([b, c, a])
-    size = len(mesh.points)
-    codes = np.unique(np.minimum(start, stop) * size + np.maximum(start, stop))
-    return np.stack(np.divmod(codes, size), axis=1)
+    return np.stack([np.concatenate([a, b, c]), np.concatenate([b, c, a])], axis=1)
 
 
 def _rooted(mesh: Mesh, labels: IntArray, links: IntArray) -> BoolArray:
