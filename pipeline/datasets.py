@@ -1,4 +1,4 @@
-"""Collections of silhouettes: which items there are, in which classes, and how one is opened."""
+"""Collections of silhouettes: which items there are, and in which classes."""
 
 from __future__ import annotations
 
@@ -15,16 +15,23 @@ from typing import Literal, NoReturn
 from platformdirs import user_cache_path
 
 from pipeline import sample
+from pipeline.item import Item
 from riot.errors import RiotError
-from riot.parameters import ShapeParameters
 from riot.picture import SUFFIXES
-from riot.shape import Shape
-from riot.silhouette import read
 
 PICTURES = frozenset({*SUFFIXES, ".svg"})
 """Files with these suffixes are items; whether they are pictures shows at ingest."""
 
 Kind = Literal["sample", "folder", "mpeg7", "animals", "paper"]
+
+_FOLDERS: dict[Kind, tuple[str, ...]] = {
+    "sample": (),
+    "folder": ("root",),
+    "mpeg7": ("root",),
+    "animals": ("root",),
+    "paper": ("root", "mpeg7", "animals"),
+}
+_OWN_PICTURES = "your own pictures are +dataset=folder dataset.root=DIR"
 
 
 class DatasetError(RiotError, FileNotFoundError):
@@ -49,26 +56,17 @@ class DatasetConfig:
     """Take so many items only, spread evenly over the collection; null = all."""
 
     def __post_init__(self) -> None:
-        """Raise ValueError for a name that is no folder name, or a limit below 1."""
+        """Raise ValueError for a name that is no folder name, a limit below 1, or a folder that is not looked at."""
         if self.name in ("", ".", "..") or "/" in self.name or "\\" in self.name:
             raise ValueError(f"name: {self.name!r} cannot name a folder of the outputs")
         if self.limit is not None and self.limit < 1:
             raise ValueError(f"limit: must be 1 or more, or null, got {self.limit}")
-
-
-@dataclass(frozen=True)
-class Item:
-    """One silhouette to be read.
-
-    ``name`` is unique in its collection (the path below the root, without suffix); ``cls`` its class, ``""`` for
-    none; ``source`` the file, or ``sample:<name>``; ``digest`` the SHA-256, in hex, of the file's bytes or of the
-    sample's definition.
-    """
-
-    name: str
-    cls: str
-    source: str
-    digest: str
+        for option in ("root", "mpeg7", "animals"):
+            given = getattr(self, option)
+            if given == "":
+                raise ValueError(f"{option}: expected a folder, got nothing; the folder you are in is `.`")
+            if given is not None and option not in _FOLDERS[self.kind]:
+                raise ValueError(f"{option}: kind {self.kind} has no such folder; {_OWN_PICTURES}")
 
 
 @dataclass(frozen=True)
@@ -106,13 +104,6 @@ def collect(config: DatasetConfig) -> Collection:
     else:
         found = _paper(config)
     return _limited(found, config.limit)
-
-
-def open_item(item: Item, parameters: ShapeParameters | None = None) -> Shape:
-    """Read an item's silhouette; raises `riot.errors.SilhouetteError`."""
-    if item.source.startswith(sample.PREFIX):
-        return sample.shape(item.source, parameters).renamed(item.name)
-    return read(item.source, parameters).renamed(item.name)
 
 
 def default_root(kind: str) -> Path:
@@ -216,15 +207,23 @@ def _pictures(root: Path, get: str) -> tuple[list[Path], list[Rejected], int]:
             path = Path(folder, file)
             if file.startswith(".") or path.suffix.lower() not in PICTURES:
                 ignored += 1
-            elif path.is_symlink() and not path.resolve().is_relative_to(real):
+            elif not Path(os.path.realpath(path)).is_relative_to(real):
                 name = _without_suffix(_normal(path.relative_to(root).as_posix()), path)
                 message = f"{path}: a link that leads out of the data set; copy the picture"
                 rejected.append(Rejected(name, str(path), "outside", message))
-            elif path.is_file():
+            elif _answers(path):
                 paths.append(path)
             else:
                 ignored += 1
     return paths, sorted(rejected, key=lambda row: row.name), ignored
+
+
+def _answers(path: Path) -> bool:
+    """Whether opening a path gives a file or says why not; a pipe or a device could wait for ever."""
+    try:
+        return path.is_file() or not path.exists()
+    except OSError:  # a folder that may be listed and not entered
+        return True
 
 
 def _named(root: Path, paths: Iterable[Path]) -> list[tuple[str, Path]]:

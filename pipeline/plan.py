@@ -14,7 +14,8 @@ from typing import Any
 
 from pipeline.batches import cut
 from pipeline.config import Config
-from pipeline.datasets import Collection, Item
+from pipeline.datasets import Collection
+from pipeline.item import Item
 from pipeline.keys import KeyParts, digest_text
 from pipeline.stages import STAGES, Recipe, recipe
 from pipeline.work.select import Spec
@@ -145,18 +146,12 @@ def plan_construct(plan: Plan, crs: Sequence[WorkItem]) -> list[WorkItem]:
 
 def _ingest(of: Recipe, items: tuple[Item, ...], batch: range) -> WorkItem:
     members = items[batch.start : batch.stop]
-    parts = of.parts([_input_digest(item) for item in members])
+    parts = of.parts([item.digest for item in members])
     return WorkItem(parts, of.parameters, (), members, tuple(batch))
 
 
-def _input_digest(item: Item) -> str:
-    # The suffix chooses the reader, so that the same bytes under another suffix are another input.
-    suffix = item.source.rpartition(".")[2].lower() if "." in item.source else ""
-    return f"{item.digest}.{suffix}" if 0 < len(suffix) <= 5 and suffix.isalnum() else item.digest
-
-
 def _shape_key(plan: Plan, position: int) -> str:
-    return plan.recipes["ingest"].parts([_input_digest(plan.items[position])]).key()
+    return plan.recipes["ingest"].parts([plan.items[position].digest]).key()
 
 
 def _after(of: Recipe, item: WorkItem) -> WorkItem:

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from pipeline.artifact import Artifact
-from pipeline.datasets import Collection, Item
+from pipeline.datasets import Collection
 from pipeline.events import StageEnded
+from pipeline.item import Item
 from pipeline.perform import Failure
 from pipeline.plan import Pair, Plan, Reference, WorkItem
 from pipeline.sample import PREFIX

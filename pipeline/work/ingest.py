@@ -8,7 +8,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from pipeline.artifact import Artifact
-from pipeline.datasets import Item, open_item
+from pipeline.item import Item, open_item
 from pipeline.sample import PREFIX
 from pipeline.work.items import ErrorRow, attempt, pack_shapes
 from riot.parameters import ShapeParameters

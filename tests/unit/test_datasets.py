@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import unicodedata
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from pipeline import datasets, sample
-from pipeline.datasets import Collection, DatasetConfig, DatasetError, class_of, collect, open_item
+from pipeline.datasets import Collection, DatasetConfig, DatasetError, class_of, collect
+from pipeline.item import open_item
 from riot.errors import RiotError, SilhouetteError
 from riot.polyline import is_simple
 
@@ -101,9 +104,30 @@ def test_links_do_not_lead_out(tmp_path: Path) -> None:
     (root / "folder").symlink_to(secret.parent, target_is_directory=True)
     (root / "broken.png").symlink_to(root / "nothing.png")
     (root / "within.png").symlink_to(inside)
+    (root / "ring.png").symlink_to(root / "ring.png")
+    os.mkfifo(root / "pipe.png")
     found = folder(root)
     assert [item.name for item in found.items] == ["inside"]
-    assert {row.name: row.reason for row in found.rejected} == {"leak": "outside", "within": "duplicate"}
+    reasons = {"leak": "outside", "within": "duplicate", "broken": "unreadable", "ring": "unreadable"}
+    assert {row.name: row.reason for row in found.rejected} == reasons
+    assert found.ignored == 1  # the pipe, which would be waited for
+
+
+def test_a_picture_that_may_not_be_read_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    picture(tmp_path / "open-1.png", 9)
+    locked = picture(tmp_path / "locked-1.png", 7)
+    opened = Path.open
+
+    def refuse(path: Path, *arguments: Any, **options: Any) -> Any:
+        if path == locked:  # root may read everything, so that modes would test nothing
+            raise PermissionError(13, "Permission denied", str(path))
+        return opened(path, *arguments, **options)
+
+    monkeypatch.setattr(Path, "open", refuse)
+    found = folder(tmp_path)
+    assert [item.name for item in found.items] == ["open-1"]
+    assert [(row.name, row.reason) for row in found.rejected] == [("locked-1", "unreadable")]
+    assert "Permission denied" in found.rejected[0].message
 
 
 def test_nothing_there(tmp_path: Path) -> None:
@@ -123,6 +147,10 @@ def test_nothing_there(tmp_path: Path) -> None:
         DatasetConfig(limit=0)
     with pytest.raises(ValueError, match="folder of the outputs"):
         DatasetConfig("../elsewhere")
+    with pytest.raises(ValueError, match=r"root: expected a folder"):
+        DatasetConfig("mine", "folder", root="")
+    with pytest.raises(ValueError, match=r"sample has no such folder.*\+dataset=folder"):
+        DatasetConfig(root="mine")
 
 
 def test_default_root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
