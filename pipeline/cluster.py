@@ -74,22 +74,31 @@ class OnDask:
         return max(1, sum(int(threads) for threads in self._client.nthreads().values()))
 
     def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
-        """See `Executor.run`. A task whose worker was lost is tried again, apart from the others, then given up."""
+        """See `Executor.run`.
+
+        A task whose worker was lost is tried again once all others are done, with nothing beside it, so that one that
+        kills its worker takes no other with it, and given up after `MAX_ATTEMPTS`.
+        """
         from distributed import as_completed
 
-        waiting = deque((bundle, 1) for bundle in bundles)
+        waiting = deque(bundles)
+        suspects: deque[tuple[Bundle, int]] = deque()
         running: dict[Any, tuple[Bundle, int]] = {}
         completed = as_completed()
 
-        def submit() -> None:
-            while waiting and len(running) < 2 * self.workers + 2:
-                bundle, attempt = waiting.popleft()
-                name = f"{bundle[0].stage}-{bundle[0].key}-{attempt}"
-                future = self._client.submit(self._task, root, tuple(bundle), key=name, pure=False)
-                running[future] = (bundle, attempt)
-                completed.add(future)
+        def submit(bundle: Bundle, attempt: int) -> None:
+            name = f"{bundle[0].stage}-{bundle[0].key}-{attempt}"
+            future = self._client.submit(self._task, root, tuple(bundle), key=name, pure=False)
+            running[future] = (bundle, attempt)
+            completed.add(future)
 
-        submit()
+        def fill() -> None:
+            while waiting and len(running) < 2 * self.workers + 2:
+                submit(waiting.popleft(), 1)
+            if suspects and not running:
+                submit(*suspects.popleft())
+
+        fill()
         try:
             while running:
                 future = next(completed)
@@ -97,12 +106,12 @@ class OnDask:
                 if future.status == "finished":
                     yield from future.result()
                 elif attempt < MAX_ATTEMPTS:
-                    waiting.append((bundle, attempt + 1))
+                    suspects.append((bundle, attempt + 1))
                 else:
                     failure = _failure(future, attempt)
                     yield from (Receipt(item.stage, item.key, failure=failure) for item in bundle)
                 future.release()
-                submit()
+                fill()
         finally:
             self._client.cancel(list(running))
 
