@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import get_type_hints
 
 from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
@@ -22,6 +23,7 @@ HYDRA_BASE = "1.3"
 SUGAR = {"--plan": "plan=true", "--explain": "explain=true"}
 SWEEP = frozenset({"-m", "--multirun"})
 NO_DATASET = "+dataset=sample"
+NAME_LENGTH = 200
 
 
 def complete(arguments: Sequence[str]) -> list[str]:
@@ -47,15 +49,42 @@ def is_plain(arguments: Sequence[str]) -> bool:
 def check_command(arguments: Sequence[str]) -> Config:
     """The typed configuration of a command line; of a sweep, that of its first point.
 
-    Raises `ConfigError` for an unknown name or group, or a wrong type or value.
+    Raises `ConfigError` for an unknown name or group, or a wrong type or value, of a sweep in any of its values.
     """
-    try:
-        overrides = OverridesParser.create().parse_overrides([one for one in arguments if one not in SWEEP])
-    except HydraException as error:
-        raise ConfigError(f"cannot read the command line: {error}") from error
+    overrides = _parse(arguments)
     for override in overrides:
         _check_name(override)
-    lines = [_first_point(override) if is_multirun(arguments) else str(override.input_line) for override in overrides]
+    _check_dataset(overrides)
+    if not is_multirun(arguments):
+        return _compose([str(override.input_line) for override in overrides])
+    values = [_values(override) for override in overrides]
+    first = [of[0] for of in values]
+    config = _compose(first)
+    for place, of in enumerate(values):
+        for other in of[1:]:
+            _compose([*first[:place], other, *first[place + 1 :]])
+    return config
+
+
+def sweep_point(arguments: Sequence[str], chosen: Sequence[str]) -> str:
+    """Folder name of one point of a sweep: those of its ``chosen`` overrides that ``arguments`` sweep over.
+
+    Data sets and outputs have folders of their own, and are left out; empty when nothing else is swept over.
+    """
+    swept = {override.key_or_group for override in _parse(arguments) if override.is_sweep_override()}
+    kept = swept - {"dataset", "dataset.name", "outputs"}
+    named = [one.lstrip("+") for one in chosen if one.lstrip("+").partition("=")[0] in kept]
+    return re.sub(r"[^\w.=,+-]+", "-", ",".join(named))[:NAME_LENGTH]
+
+
+def _parse(arguments: Sequence[str]) -> list[Override]:
+    try:
+        return OverridesParser.create().parse_overrides([one for one in arguments if one not in SWEEP])
+    except HydraException as error:
+        raise ConfigError(f"cannot read the command line, a list of name=value: {error}") from error
+
+
+def _compose(lines: list[str]) -> Config:
     try:
         with initialize_config_dir(version_base=HYDRA_BASE, config_dir=str(CONF)):
             return make_typed(compose("config", overrides=lines))
@@ -79,10 +108,11 @@ def _check_name(override: Override) -> None:
         return
     choices = group_choices()
     if name in choices:
-        value = override.value()
-        known = isinstance(value, str) and value in choices[name]
-        if not known and not override.is_sweep_override() and not isinstance(value, dict):
-            raise ConfigError(f"{name}={value}: no such choice; allowed: {', '.join(choices[name])}")
+        if not override.is_sweep_override() and isinstance(override.value(), dict):
+            return
+        for value in (line.partition("=")[2] for line in _values(override)):
+            if value not in choices[name]:
+                raise ConfigError(f"{name}={value}: no such choice; allowed: {', '.join(choices[name])}")
         return
     group, _, parameter = name.partition(".")
     allowed = allowed_names()
@@ -91,11 +121,29 @@ def _check_name(override: Override) -> None:
         raise ConfigError(unknown_name(name, within if parameter and within else allowed))
 
 
+def _check_dataset(overrides: Sequence[Override]) -> None:
+    """Data sets differ in their parameters, and Hydra's advice for one that is missing (add it) is wrong here."""
+    named = [override for override in overrides if override.key_or_group == "dataset"]
+    if len(named) > 1:
+        raise ConfigError(f"{' '.join(str(one.input_line) for one in named)}: give one data set")
+    chosen = [line.partition("=")[2] for line in _values(named[0])]
+    for override in overrides:
+        group, _, parameter = override.key_or_group.partition(".")
+        if group == "dataset" and parameter:
+            for name in chosen:
+                own = [str(one) for one in OmegaConf.load(CONF / "dataset" / f"{name}.yaml")]
+                if parameter not in own:
+                    own_names = ", ".join(f"dataset.{one}" for one in own)
+                    raise ConfigError(
+                        f"dataset.{parameter}: the data set {name} has {own_names} only; "
+                        "your own pictures are +dataset=folder dataset.root=DIR"
+                    )
+
+
 def allowed_names() -> list[str]:
     """Every parameter that a command line may set, as ``group.name``."""
     names: list[str] = []
-    hints = _field_types()
-    for name, kind in hints.items():
+    for name, kind in get_type_hints(Config).items():
         if dataclasses.is_dataclass(kind):
             names += [f"{name}.{field.name}" for field in dataclasses.fields(kind)]
         else:
@@ -112,15 +160,9 @@ def group_choices() -> dict[str, list[str]]:
     }
 
 
-def _field_types() -> dict[str, Any]:
-    import typing
-
-    return typing.get_type_hints(Config)
-
-
-def _first_point(override: Override) -> str:
+def _values(override: Override) -> list[str]:
+    """An override for each value that it sweeps over; itself, if it does not."""
     if not override.is_sweep_override():
-        return str(override.input_line)
-    first = next(iter(override.sweep_string_iterator()))
+        return [str(override.input_line)]
     prefix = "+" if override.is_add() else ""
-    return f"{prefix}{override.key_or_group}={first}"
+    return [f"{prefix}{override.key_or_group}={value}" for value in override.sweep_string_iterator()]

@@ -5,15 +5,17 @@ Exit codes: 0 clean, 3 finished with errors, 2 could not start, 130 interrupted.
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 from collections.abc import Sequence
 
 import hydra
+from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig
 from rich.console import Console
 
 import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
-from pipeline.command import CONF, HYDRA_BASE, check_command, complete, is_multirun, is_plain, make_typed
+from pipeline.command import CONF, HYDRA_BASE, check_command, complete, is_multirun, is_plain, make_typed, sweep_point
 from pipeline.config import Config
 from pipeline.errors import PipelineError
 from pipeline.explain import forecast, show_explanation, show_plan
@@ -34,9 +36,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if is_plain(given):
             config = check_command(given)
-            if not is_multirun(given):
-                if config.plan or config.explain:
-                    return _show(config, console)
+            if (config.plan or config.explain) and not is_multirun(given):
+                return _show(config, console)
+            if not (config.plan or config.explain):
                 check_writable(config.outputs, "outputs")  # Hydra writes its log there
         codes = _with_hydra(given, console, complaints)
     except KeyboardInterrupt:
@@ -51,7 +53,8 @@ def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console)
 
     @hydra.main(version_base=HYDRA_BASE, config_path=str(CONF), config_name="config")
     def job(composed: DictConfig) -> None:
-        codes.append(_run(composed, console, complaints))
+        chosen = HydraConfig.get().overrides.task if is_multirun(arguments) else []
+        codes.append(_run(composed, sweep_point(arguments, chosen), console, complaints))
 
     program, sys.argv = sys.argv, [sys.argv[0], *arguments]
     try:
@@ -63,9 +66,11 @@ def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console)
     return codes
 
 
-def _run(composed: DictConfig, console: Console, complaints: Console) -> int:
+def _run(composed: DictConfig, point: str, console: Console, complaints: Console) -> int:
     try:
         config = make_typed(composed)
+        if point:  # else every point of a sweep would replace the tables of the one before
+            config = dataclasses.replace(config, outputs=config.outputs / point)
         if config.plan or config.explain:
             return _show(config, console)
         with show_progress(console) as listen:

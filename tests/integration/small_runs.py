@@ -73,6 +73,6 @@ def table(where: Path, name: str) -> list[dict[str, object]]:
     return pq.read_table(where / "outputs" / "folder" / f"{name}.parquet").to_pylist()
 
 
-def stages(where: Path) -> dict[str, dict[str, int]]:
-    record = json.loads((where / "outputs" / "folder" / "run.json").read_text())
+def stages(where: Path, point: str = "") -> dict[str, dict[str, int]]:
+    record = json.loads((where / "outputs" / point / "folder" / "run.json").read_text())
     return {stage["stage"]: stage for stage in record["stages"]}

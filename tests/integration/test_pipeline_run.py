@@ -246,6 +246,9 @@ def test_a_collection_without_one_shape_still_ends_well(tmp_path: Path) -> None:
         (["outputs={file}"], ["cannot write", "outputs=DIR"]),
         (["outputs={file}/deeper"], ["cannot write", "outputs=DIR"]),
         (["store={file}"], ["cannot write", "store=DIR"]),
+        (["outputs={file}/deeper", "-m", "select.top=1,2"], ["cannot write", "outputs=DIR"]),
+        (["-m", "select.top=1,x"], ["select.top", "whole number"]),
+        (["dataset.root={empty}"], ["+dataset=folder"]),
     ],
 )
 def test_what_cannot_start_says_why_and_does_nothing(arguments: list[str], words: list[str], tmp_path: Path) -> None:
@@ -264,11 +267,14 @@ def test_what_cannot_start_says_why_and_does_nothing(arguments: list[str], words
 
 
 def test_a_sweep_shares_what_its_parameters_do_not_touch(copied: Path, root: Path) -> None:
+    before = digests(copied)
     done = run(copied, root, "cluster=sync", "-m", "crs.sigma_area=0.3,0.25")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     assert done.stdout.count("Time per stage") == 2
-    counts = stages(copied)
-    assert counts["trunks_full"]["computed"] == 0 and counts["crs"]["computed"] == 3
+    counts = [stages(copied, point) for point in ("crs.sigma_area=0.3", "crs.sigma_area=0.25")]
+    assert [one["trunks_full"]["computed"] for one in counts] == [0, 0]
+    assert [one["crs"]["computed"] for one in counts] == [0, 3]
+    assert digests(copied) == before  # a sweep leaves the plain run's tables alone
 
 
 def test_the_environment_changes_no_result(finished: Path, root: Path, tmp_path: Path) -> None:

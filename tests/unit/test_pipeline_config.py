@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.command import allowed_names, check_command, complete, group_choices
+from pipeline.command import allowed_names, check_command, complete, group_choices, sweep_point
 from pipeline.config import ClusterConfig, Config, SelectConfig, make_config
 from pipeline.datasets import DatasetConfig
 from pipeline.errors import ConfigError
@@ -78,7 +78,9 @@ def test_data_sets_and_flags() -> None:
         ("outputs=null", ["outputs", "path"]),
         ("outputs=", ["outputs", "path"]),
         ("trunks=null", ["trunks"]),
-        ("nonsense", ["nonsense"]),
+        ("nonsense", ["nonsense", "name=value"]),
+        ("dataset.root=here", ["dataset.root", "sample", "+dataset=folder"]),
+        ("+dataset.root=here", ["dataset.root", "sample", "+dataset=folder"]),
         ("reversibility.waist_low=2", ["waist_low", "waist_high"]),
     ],
 )
@@ -89,10 +91,28 @@ def test_mistakes_are_named_with_what_is_allowed(argument: str, words: list[str]
     assert all(word in message for word in words), message
 
 
-def test_a_sweep_is_checked_at_its_first_point() -> None:
+def test_one_data_set_with_its_own_parameters() -> None:
+    with pytest.raises(ConfigError, match="one data set"):
+        check("+dataset=sample", "+dataset=mpeg7")
+    with pytest.raises(ConfigError, match=r"dataset\.animals: the data set mpeg7 has"):
+        check("+dataset=mpeg7", "dataset.animals=here")
+    with pytest.raises(ConfigError, match="expected a folder"):
+        check("+dataset=folder", "dataset.root=")
+
+
+def test_all_values_of_a_sweep_are_checked_before_its_first_run() -> None:
     assert check("-m", "trunks.tau_s=0.1,0.07").trunks.tau_s == 0.1
-    with pytest.raises(ConfigError):
-        check("-m", "trunks.tau_s=x,0.07")
+    for wrong in ("trunks.tau_s=x,0.07", "trunks.tau_s=0.1,x", "+dataset=sample,mine", "select=global,best"):
+        with pytest.raises(ConfigError):
+            check("-m", "trunks.tau_c=0.3,0.2", wrong)
+
+
+def test_points_of_a_sweep_have_names_of_their_own() -> None:
+    arguments = ["-m", "trunks.tau_s=0.1,0.07", "+dataset=sample,folder", "batch=8", "select=paper,global"]
+    chosen = ["trunks.tau_s=0.07", "+dataset=folder", "batch=8", "select=paper"]
+    assert sweep_point(arguments, chosen) == "trunks.tau_s=0.07,select=paper"
+    assert sweep_point(["dataset.root=a/b,/c d"], ["dataset.root=/c d"]) == "dataset.root=-c-d"
+    assert sweep_point(["outputs=a,b"], ["outputs=a"]) == ""
 
 
 def test_plain_values_are_enough() -> None:
