@@ -58,25 +58,26 @@ class TrunkParameters:
     tau_s: float = 0.1
     """Douglas–Peucker tolerance of the simplified boundary (absolute, unit-area shape)."""
     tau_c: float = 0.3
-    """Least congruency score of a candidate vertex."""
+    """Candidate vertices have a greater congruency score than this."""
     sigma_c: float = 0.1
     """Of the congruency score, in units of ``D_c``."""
     min_congruent: float = 0.03
-    """Least total length of the two congruent stretches, in units of the perimeter."""
+    """The two congruent stretches are together longer than this, in units of the perimeter."""
     min_inside: float = 0.9
     """Least share of a trunk edge that lies inside the shape."""
     min_area: float = 0.01
-    """Least area of an exterior piece."""
+    """Exterior pieces have more area than this (the shape has 1)."""
     max_arc: float = 0.5
-    """Greatest boundary length of an exterior piece, in units of the perimeter."""
+    """Exterior pieces have less boundary than this, in units of the perimeter."""
     max_overlap: float = 0.1
-    """Greatest overlap of neighbouring congruent stretches, in units of ``L_c``."""
+    """Neighbouring congruent stretches overlap by less than this on the boundary between them, in units of ``L_c``."""
     neck_width: float = 0.2
     """Quick trunks leave out points cut off by necks narrower than this, in units of ``D_c``."""
-    max_vertices: int = 8
-    """No trunk has more vertices (ours: bounds the enumeration on star-like shapes)."""
+    max_vertices: int = 32
+    """No trunk has more vertices (ours). K bounds them first: at most 27 on MPEG-7, where no trunk has more than 10."""
     max_trunks: int = 50_000
-    """No shape has more trunks (ours); the largest n are dropped first."""
+    """No shape has more trunks (ours: against symmetric stars); all of an n that passes it and of greater n are left
+    out."""
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,12 @@ import shapely
 from riot.kernels.simplify import douglas_peucker
 from riot.shape import BoolArray, FloatArray, IntArray
 
-_TIE = 1e-9
-"""Anchors whose distances agree this closely (relative) are told apart by their place, not by rounding."""
+TIE = 1e-9
+"""Relative difference below which two ratios, angles or distances count as equal, and a value as on its limit, so
+that a moved copy of a shape gives the same results although its coordinates round otherwise."""
+
+TOUCH = 1e-9
+"""Distance below which a segment touches the boundary instead of passing it, in the unit-area frame."""
 
 
 def signed_area(points: FloatArray) -> float:
@@ -200,6 +204,6 @@ def _interpolate(points: FloatArray, lengths: FloatArray, positions: FloatArray)
 def farthest(points: FloatArray, origin: FloatArray) -> int:
     """Index of the vertex farthest from ``origin``; ties go to least x, then least y."""
     square = ((points - origin) ** 2).sum(axis=1)
-    tied = np.flatnonzero(square >= square.max() * (1.0 - _TIE))
+    tied = np.flatnonzero(square >= square.max() * (1.0 - TIE))
     order = np.lexsort((points[tied, 1], points[tied, 0]))
     return int(tied[order[0]])

@@ -7,17 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.kernels.necks import find_necks
+from riot.kernels.segments import find_necks
 from riot.parameters import D_C, L_C, ReversibilityParameters, TrunkParameters
-from riot.polyline import arc_length, simplify
+from riot.polyline import TIE, TOUCH, arc_length, simplify
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
-
-TIE = 1e-9
-"""Relative difference below which two ratios, angles or distances count as equal, so that a rotated copy of a
-shape has the same necks although its coordinates round otherwise."""
-
-TOUCH = 1e-9
-"""Distance below which a segment touches a boundary vertex instead of passing it, in the unit-area frame."""
 
 HALF_DISC = math.pi / 2.0
 """R of the straight side of a half disc, the bulge that a neck of no less ratio cuts off at least."""

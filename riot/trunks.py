@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from riot.kernels.enumerate import enumerate_convex, inside_shares
+from riot.kernels.enumerate import enumerate_convex
+from riot.kernels.segments import inside_shares
 from riot.parameters import D_C, L_C, TrunkParameters
-from riot.polyline import arc_length, swept_area
+from riot.polyline import TIE, TOUCH, arc_length, swept_area
 from riot.reversibility import Reversibility, cut_off, reversibility
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
 from riot.vertices import (
@@ -115,23 +116,25 @@ def full_trunks(shape: Shape, parameters: TrunkParameters | None = None) -> Trun
     candidates = candidates[kept]
     congruent = Congruency(congruent.score[kept], congruent.length[kept], congruent.turn[kept])
     admissible = admissible_edges(shape, candidates, parameters)
-    admissible &= _overlap(shape, candidates, congruent.length) < parameters.max_overlap * L_C
+    admissible &= _overlap(shape, candidates, congruent.length) < (parameters.max_overlap - TIE) * L_C
     return _assemble(shape, candidates, congruent.turn, admissible, parameters)
 
 
 def admissible_edges(shape: Shape, candidates: IntArray, parameters: TrunkParameters) -> BoolArray:
     """(c, c) whether the edge from candidate i to candidate j, with the boundary between them, may be a trunk's.
 
-    The boundary between them holds a convex point and is shorter than ``max_arc`` of the whole; the exterior piece has
-    area above ``min_area``; at least ``min_inside`` of the edge is inside the shape.
+    The boundary between them holds a convex point (paper: of the boundary simplified with τ_s; ours: the edge's ends do
+    not count) and is shorter than ``max_arc`` of the whole; the exterior piece has area above ``min_area``; at least
+    ``min_inside`` of the edge is inside the closed shape. What is within `riot.polyline.TIE` of a limit counts as on
+    it, so that rounding does not choose among the trunks of symmetric shapes (ours).
     """
     lengths = arc_length(shape.points)
     arcs = _arcs(shape, candidates)
-    admissible: BoolArray = (arcs > 0.0) & (arcs < parameters.max_arc * lengths[-1])
+    admissible: BoolArray = (arcs > 0.0) & (arcs < (parameters.max_arc - TIE) * lengths[-1])
     admissible &= _holds_one_of(candidates, convex_points(shape, parameters))
-    admissible &= exterior_areas(shape.points, candidates) > parameters.min_area
-    shares = inside_shares(shape.points, candidates, admissible)
-    admissible &= np.nan_to_num(shares) >= parameters.min_inside - 1e-9
+    admissible &= exterior_areas(shape.points, candidates) > parameters.min_area + TIE
+    shares = inside_shares(shape.points, candidates, admissible, TOUCH)
+    admissible &= np.nan_to_num(shares) >= parameters.min_inside - TIE
     return admissible
 
 
@@ -164,8 +167,12 @@ def _holds_one_of(candidates: IntArray, marks: IntArray) -> BoolArray:
 
 
 def _overlap(shape: Shape, candidates: IntArray, stretches: FloatArray) -> FloatArray:
-    """(c, c) how far the congruent stretches of candidates i and j overlap on the boundary between them."""
-    overlap: FloatArray = stretches[:, None] + stretches[None, :] - _arcs(shape, candidates)
+    """(c, c) length that the congruent stretches of candidates i and j share on the boundary from i to j.
+
+    What of a stretch runs on beyond the other candidate is not on that boundary; negative if they do not meet.
+    """
+    arcs = _arcs(shape, candidates)
+    overlap: FloatArray = np.minimum(stretches[:, None], arcs) + np.minimum(stretches[None, :], arcs) - arcs
     return overlap
 
 

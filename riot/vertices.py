@@ -10,7 +10,7 @@ import numpy as np
 from riot.kernels.congruency import local_turns, longest_congruent
 from riot.kernels.visibility import seen_from
 from riot.parameters import D_C, L_C, TrunkParameters
-from riot.polyline import arc_length, interior_angles, simplify, spread
+from riot.polyline import TIE, arc_length, interior_angles, simplify, spread
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
 
 SAMPLE_STEP = L_C / 100
@@ -56,11 +56,15 @@ def convex_points(shape: Shape, parameters: TrunkParameters) -> IntArray:
 
 
 def passes_visibility(shape: Shape, indices: IntArray) -> BoolArray:
-    """(k,) the binary score of eq. (1): False at points from which too much of the shape is hidden."""
+    """(k,) the binary score of eq. (1): False at points from which too much of the shape is hidden.
+
+    That is: as much area as a circle with the visible region's perimeter has, or half the boundary or more in one
+    hidden region.
+    """
     lengths = arc_length(shape.points)
     area, perimeter, hidden = seen_from(shape.points, lengths, indices).T
     invisible = 1.0 - area
-    passes: BoolArray = (invisible < perimeter**2 / (4.0 * math.pi)) & (hidden < 0.5 * lengths[-1])
+    passes: BoolArray = (invisible < perimeter**2 / (4.0 * math.pi)) & (hidden < (0.5 - TIE) * lengths[-1])
     return passes
 
 

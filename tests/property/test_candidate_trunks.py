@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot.kernels.congruency import frechet
+from riot.kernels.segments import inside_shares
 from riot.kernels.visibility import seen_from
 from riot.parameters import L_C, TrunkParameters
 from riot.polyline import arc_length
@@ -174,6 +175,58 @@ def test_trunks_turn_with_the_shape(seed: int, angle: float) -> None:
         assert after.edges == pytest.approx(before.edges, abs=1e-9)
         assert after.alphas == pytest.approx(before.alphas, abs=1e-9)
         assert after.thetas == pytest.approx(before.thetas, abs=1e-6)
+
+
+def windmill(spikes: int, inner: float) -> np.ndarray:
+    """Straight-sided star: an even number of spikes puts every vertex exactly half the boundary from another."""
+    around = np.pi * np.arange(2 * spikes) / spikes
+    radius = np.where(np.arange(2 * spikes) % 2, inner, 1.0)
+    return np.stack([radius * np.cos(around), radius * np.sin(around)], axis=1)
+
+
+@pytest.mark.parametrize("move", ["turn", "scale", "mirror"])
+def test_symmetric_stars_do_not_lose_trunks_by_rounding(move: str) -> None:
+    points = windmill(6, 0.6)
+    c, s = math.cos(0.7), math.sin(0.7)
+    moved = {"turn": points @ np.array([[c, s], [-s, c]]), "scale": 137.3 * points, "mirror": points * [-1.0, 1.0]}
+    before, after = Shape.from_polygon(points), Shape.from_polygon(moved[move])
+    for found in (quick_trunks, full_trunks):
+        assert len(found(before)) == len(found(after)) > 0
+        assert found(after).areas == pytest.approx(found(before).areas, abs=1e-9)
+
+
+@given(st.floats(0.0, 6.28))
+@settings(max_examples=20, deadline=None)
+def test_edges_along_a_straight_side_are_inside(angle: float) -> None:
+    # Both long sides are straight; the lower has a bump outwards in the middle, the upper a dent.
+    points = np.array(
+        [[0, 0], [1, 0], [1.5, -1], [2, 0], [3, 0], [3, 2], [2, 2], [1.5, 1], [1, 2], [0, 2]], dtype=float
+    )
+    c, s = math.cos(angle), math.sin(angle)
+    shares = inside_shares(
+        points @ np.array([[c, s], [-s, c]]), np.arange(len(points)), ~np.eye(len(points), dtype=np.bool_), 1e-9
+    )
+    assert shares[0, 4] == pytest.approx(1.0, abs=1e-9)
+    assert shares[1, 3] == pytest.approx(1.0, abs=1e-9)
+    assert shares[5, 9] == pytest.approx(2.0 / 3.0, abs=1e-9)
+    assert shares[0, 1] == pytest.approx(1.0, abs=1e-9)
+    assert shares[9, 5] == shares[5, 9]
+
+
+@pytest.mark.parametrize("seed", [2, 6])
+def test_congruent_stretches_of_neighbours_share_little_of_the_boundary_between_them(seed: int) -> None:
+    shape, parameters = blob(seed, waves=6), TrunkParameters()
+    lengths = arc_length(shape.points)
+    found = full_trunks(shape, parameters)
+    assert len(found) > 0
+    for t in range(0, len(found), 7):
+        trunk = found.of(t)
+        reach = congruency(shape, trunk, parameters).length
+        for k, start in enumerate(trunk):
+            after = (k + 1) % len(trunk)
+            arc = (lengths[trunk[after]] - lengths[start]) % lengths[-1]
+            ahead, behind = shapely.box(0, 0, min(reach[k], arc), 1), shapely.box(arc - reach[after], 0, arc, 1)
+            assert ahead.intersection(behind).area < parameters.max_overlap * L_C
 
 
 def test_trunks_are_ordered_and_survive_arrays() -> None:

@@ -10,7 +10,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.kernels.necks import contains, inscribed
+from riot.kernels.segments import contains, inscribed
 from riot.parameters import D_C, L_C
 from riot.polyline import arc_length, centroid, insert_midpoints, signed_area
 from riot.reversibility import Reversibility, concave_points, cut_off, reversibility, roundness

@@ -1,11 +1,11 @@
-"""Hot loop of the reversibility score: local maxima of geodesic over Euclidean distance, and inscribed segments."""
+"""Segments in a polygon: the hot loops of necks (paper §5.1) and of how much of a trunk edge is inside (§4.1.2)."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import FloatArray, IntArray
+from riot.shape import BoolArray, FloatArray, IntArray
 
 
 @kernel
@@ -76,6 +76,65 @@ def inscribed(points: FloatArray, first: int, second: int, tolerance: float) -> 
 
 
 @kernel
+def inside_share(
+    points: FloatArray, ax: float, ay: float, bx: float, by: float, tolerance: float, cuts: FloatArray
+) -> float:
+    """Share of the segment a–b that lies in the closed polygon ``points`` (m, 2); ``cuts`` (≥ m + 2,) is scratch.
+
+    Cut as in `inscribed`, and where the boundary crosses. A part on the boundary, within ``tolerance``, is inside: an
+    edge along a straight side must not count by how its coordinates round.
+    """
+    m = points.shape[0]
+    dx, dy = bx - ax, by - ay
+    length = np.sqrt(dx * dx + dy * dy)
+    if length <= tolerance:
+        return 1.0
+    dx, dy = dx / length, dy / length
+    cuts[0], cuts[1] = 0.0, length
+    count = 2
+    along_0 = (points[m - 1, 0] - ax) * dx + (points[m - 1, 1] - ay) * dy
+    side_0 = (points[m - 1, 1] - ay) * dx - (points[m - 1, 0] - ax) * dy
+    for i in range(m):
+        along_1 = (points[i, 0] - ax) * dx + (points[i, 1] - ay) * dy
+        side_1 = (points[i, 1] - ay) * dx - (points[i, 0] - ax) * dy
+        cut = -1.0
+        if abs(side_1) <= tolerance:
+            cut = along_1
+        elif abs(side_0) > tolerance and (side_0 > 0.0) != (side_1 > 0.0):
+            cut = along_0 + (along_1 - along_0) * side_0 / (side_0 - side_1)
+        if 0.0 < cut < length:
+            cuts[count] = cut
+            count += 1
+        along_0, side_0 = along_1, side_1
+    cuts[:count].sort()
+    inside = 0.0
+    for k in range(count - 1):
+        if cuts[k + 1] - cuts[k] > tolerance:
+            middle = 0.5 * (cuts[k] + cuts[k + 1])
+            if contains(points, ax + middle * dx, ay + middle * dy, tolerance):
+                inside += cuts[k + 1] - cuts[k]
+    return float(inside / length)
+
+
+@kernel
+def inside_shares(points: FloatArray, indices: IntArray, wanted: BoolArray, tolerance: float) -> FloatArray:
+    """(c, c) share of the segment between vertices ``indices[i]`` and ``indices[j]`` inside; nan if not ``wanted``."""
+    c = len(indices)
+    found = np.full((c, c), np.nan)
+    cuts = np.empty(points.shape[0] + 2)
+    for i in range(c):
+        for j in range(c):
+            if not wanted[i, j]:
+                continue
+            if wanted[j, i] and j < i:
+                found[i, j] = found[j, i]
+                continue
+            a, b = indices[i], indices[j]
+            found[i, j] = inside_share(points, points[a, 0], points[a, 1], points[b, 0], points[b, 1], tolerance, cuts)
+    return found
+
+
+@kernel
 def find_necks(
     points: FloatArray, arc: FloatArray, perimeter: float, concave: IntArray, tie: float, tolerance: float
 ) -> IntArray:
@@ -112,7 +171,8 @@ def find_necks(
 
 
 def warm() -> None:
-    """Compile the kernels on a tiny polygon."""
+    """Compile on a tiny polygon."""
     points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.2], [0.0, 1.0]])
     arc = np.arange(5, dtype=np.float64)
     find_necks(points, arc, 5.0, np.array([3], dtype=np.int64), 1e-9, 1e-9)
+    inside_shares(points, np.arange(5, dtype=np.int64), ~np.eye(5, dtype=np.bool_), 1e-9)
