@@ -80,14 +80,20 @@ def write_record(
 
 
 def counts(results: Results) -> dict[str, int]:
-    """Items, shapes, rejected items, pairs, selected pairs, certified and rejected transforms, errors."""
+    """Items, shapes, pairs, transforms and errors by number.
+
+    ``classes`` counts a shape without a class as one of its own; ``without_trunks`` the shapes known to have none;
+    ``blocked`` the work items that were not tried because an input had failed.
+    """
     made = [results.artifact(item) for item in results.work["construct"]]
     statuses = [artifact.document["status"] for artifact in made if artifact is not None]
     shapes = results.shapes
     return {
         "items": len(results.plan.items) + len(results.collection.rejected),
-        "ignored_files": _length(results.collection.ignored),
+        "ignored_files": results.collection.ignored,
         "shapes": shapes,
+        "classes": results.classes,
+        "without_trunks": results.without_trunks,
         "rejected_items": len(results.plan.items) + len(results.collection.rejected) - shapes,
         "pairs": shapes * (shapes - 1) // 2,
         "selected": len(results.pairs),
@@ -118,7 +124,3 @@ def holds(folder: Path, digest: str) -> bool:
         return all(digest_bytes((folder / name).read_bytes()) == found for name, found in record["files"].items())
     except OSError:
         return False
-
-
-def _length(ignored: Any) -> int:
-    return ignored if isinstance(ignored, int) else len(ignored)

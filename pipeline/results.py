@@ -60,6 +60,23 @@ class Results:
         """How many items became shapes."""
         return int((self.numbers >= 0).sum())
 
+    @property
+    def classes(self) -> int:
+        """How many classes the shapes have; one without a class is a class of its own."""
+        found = [item.cls for item, number in zip(self.plan.items, self.numbers, strict=True) if number >= 0]
+        return len(set(found) - {""}) + found.count("")
+
+    @cached_property
+    def without_trunks(self) -> int:
+        """How many shapes were searched for quick trunks and have none."""
+        total = 0
+        for batch, item in zip(self.plan.batches, self.plan.trunks, strict=True):
+            artifact = self.artifact(item)
+            if artifact is not None:
+                none = np.diff(artifact.arrays["trunk_offsets"]) == 0
+                total += int((none & (self.numbers[batch.start : batch.stop] >= 0)).sum())
+        return total
+
     def source(self, item: Item) -> str:
         """The item's source relative to its collection: where that lies is no part of the tables."""
         return shown_source(item.name, item.source)

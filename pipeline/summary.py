@@ -11,6 +11,7 @@ from rich.table import Table
 
 from pipeline.flow import Outcome
 from pipeline.record import counts
+from pipeline.remarks import remarks, several
 
 BEST = 10
 REASONS = 3
@@ -22,6 +23,8 @@ def show_outcome(outcome: Outcome, console: Console) -> None:
     if outcome.results.pairs:
         console.print(_best(outcome))
     console.print(_times(outcome))
+    for remark in remarks(counts(outcome.results), outcome.results.plan.config.select.policy):
+        console.print(remark, highlight=False, markup=False, soft_wrap=True)
     _errors(outcome, console)
     if all(stage.computed + stage.failed == 0 for stage in outcome.results.stages):
         kept = "" if outcome.written else " and the tables are up to date"
@@ -98,10 +101,10 @@ def _errors(outcome: Outcome, console: Console) -> None:
     if not errors:
         return
     kinds = Counter((row["stage"], row["reason"] or row["type"]) for row in errors)
-    console.print(f"Finished with {len(errors)} errors (errors.parquet has them all):", highlight=False)
+    console.print(f"Finished with {several(len(errors), 'error')} (errors.parquet has them all):", highlight=False)
     for (stage, reason), count in kinds.most_common(REASONS):
         first = next(row for row in errors if (row["stage"], row["reason"] or row["type"]) == (stage, reason))
         text = f"  {count} × {stage}/{reason}, such as {first['item']}: {first['message']}"
         console.print(text, highlight=False, markup=False, soft_wrap=True)
     if len(kinds) > REASONS:
-        console.print(f"  and {len(kinds) - REASONS} more kinds", highlight=False)
+        console.print(f"  and {several(len(kinds) - REASONS, 'more kind')}", highlight=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from pipeline.remarks import remarks, several
 from pipeline.report.card import Card
 from pipeline.report.histogram import figure
 from pipeline.report.markup import NOTHING, count, number, seconds, section, table
@@ -55,7 +56,7 @@ def _top(run: Run, name: str) -> str:
     best = f"{number(certified[0].iou)}" if certified else NOTHING
     took = sum(float(row["seconds"] or 0.0) for row in run.timings)
     tiles = [
-        (f"shapes in {count(run.classes)} classes" if run.classes else "shapes", count(run.shapes)),
+        (f"shapes in {several(run.classes, 'class', 'classes')}" if run.classes else "shapes", count(run.shapes)),
         ("pairs scored", count(run.pairs)),
         ("pairs selected", count(run.selected)),
         ("exact transforms", count(len(certified))),
@@ -76,8 +77,13 @@ def _top(run: Run, name: str) -> str:
         '<p class="lead">Pairs of silhouettes that are the same chain of hinged pieces, folded one way and the other. '
         "A piece keeps its colour in every picture of its transform.</p>"
         f'<nav aria-label="Sections">{contents}</nav>'
-        f'<dl class="tiles">{cells}</dl></header>\n'
+        f'<dl class="tiles">{cells}</dl>{_remarks(run)}</header>\n'
     )
+
+
+def _remarks(run: Run) -> str:
+    said = remarks(run.counts, run.policy)
+    return "".join(f'<p class="remark">{escape(one)}</p>' for one in said)
 
 
 def _gallery(run: Run, cards: Sequence[Card]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -90,6 +90,17 @@ class Run:
     qcrs: Distribution
     crs: Distribution
     iou: Distribution
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """What `run.json` counts."""
+        counts: Mapping[str, int] = self.facts.get("counts", {})
+        return counts
+
+    @property
+    def policy(self) -> str:
+        """How pairs were selected."""
+        return str(self.facts.get("configuration", {}).get("select", {}).get("policy", ""))
 
     @property
     def certified(self) -> tuple[TransformRow, ...]:

@@ -22,6 +22,7 @@ h1{font-size:clamp(2.1rem,5vw,3.2rem);margin:0;letter-spacing:-.01em}
 h2{font-size:1.65rem;margin:0 0 .4rem}
 h3{font-size:1.2rem;margin:0}
 .kicker{margin:0 0 .5rem;color:var(--r-muted);font-size:.82rem;letter-spacing:.09em;text-transform:uppercase}
+.remark{max-width:46rem;margin:.9rem 0 0}
 .lead{max-width:46rem;margin:.9rem 0 0;font-size:1.08rem;color:var(--r-muted)}
 .note{max-width:46rem;margin:0 0 1.2rem;color:var(--r-muted)}
 section{margin:64px 0 0}

@@ -10,9 +10,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from PIL import Image
+from PIL import Image, ImageDraw
 from small_runs import (
     BAD_START,
     CLEAN,
@@ -211,12 +212,17 @@ def test_bad_pictures_are_rows_and_the_run_goes_on(root: Path, tmp_path: Path) -
     (folder / "twin-1.png").write_bytes(whole)
     draw(folder / "mit Leerzeichen é-1.png", 55)
     (folder / "notes.txt").write_text("no item")
+    (folder / "blank-1.png").touch()
+    Image.fromarray(np.array([[0, 255, 255, 0]] * 2, dtype=np.uint8)).save(folder / "border-1.png")
+    (folder / "gone-1.png").symlink_to(folder / "nothing.png")
     done = run(tmp_path, folder, "cluster=sync")
     assert done.returncode == WITH_ERRORS, done.stdout + done.stderr
     errors = {row["item"]: row for row in table(tmp_path, "errors")}
-    assert errors.keys() == {"text-1", "cut-1", "plain-1", "dot-1", "twin-1"}
-    assert all(row["reason"] and row["message"] and row["attempts"] == 1 for row in errors.values())
-    assert errors["twin-1"]["reason"] == "duplicate"
+    reasons = {"text-1": "not-a-picture", "cut-1": "unreadable", "plain-1": "one-colour", "dot-1": "one-colour"}
+    reasons |= {"twin-1": "duplicate", "blank-1": "not-a-picture", "border-1": "all-border", "gone-1": "unreadable"}
+    assert {name: row["reason"] for name, row in errors.items()} == reasons
+    assert all(row["message"] and row["attempts"] == 1 for row in errors.values())
+    assert "Finished with 8 errors" in done.stdout and "1 file was ignored" in done.stdout
     assert not any(str(tmp_path) in str(row["message"]) for row in errors.values())
     names = {row["name"]: row["source"] for row in table(tmp_path, "shapes")}
     assert len(names) == SHAPES + 1 and names["mit Leerzeichen é-1"] == "mit Leerzeichen é-1.png"
@@ -224,6 +230,48 @@ def test_bad_pictures_are_rows_and_the_run_goes_on(root: Path, tmp_path: Path) -
     assert len(qcrs) == (SHAPES + 1) * SHAPES // 2
     again = run(tmp_path, folder, "cluster=sync")
     assert again.returncode == WITH_ERRORS and "nothing was computed" in again.stdout
+
+
+def test_odd_shapes_are_shapes_and_those_without_trunks_are_counted(root: Path, tmp_path: Path) -> None:
+    folder = pictures(tmp_path / "pictures", range(2))
+    needle = np.zeros((40, 1000), dtype=np.uint8)
+    needle[19:21, 20:980] = 255
+    Image.fromarray(needle).save(folder / "needle-1.png")
+    blobs = Image.new("L", (120, 80))
+    for box in ((5, 5, 50, 50), (60, 20, 110, 70)):
+        ImageDraw.Draw(blobs).ellipse(box, fill=255)
+    blobs.save(folder / "blobs-1.png")
+    turn = np.linspace(0.0, 6 * np.pi, 2000)
+    reach = 10 + 8 * turn
+    spiral = Image.new("L", (400, 400))
+    ImageDraw.Draw(spiral).line(
+        [(200 + x, 200 + y) for x, y in zip(reach * np.cos(turn), reach * np.sin(turn), strict=True)], 255, width=12
+    )
+    spiral.save(folder / "spiral-1.png")
+    done = run(tmp_path, folder, "cluster=sync")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    trunks = {str(row["name"]): row["trunks"] for row in table(tmp_path, "shapes")}
+    assert trunks.keys() == {"blobs-1", "kind0-0", "kind1-1", "needle-1", "spiral-1"}
+    without = [name for name, count in trunks.items() if count == 0]
+    assert "needle-1" in without and "kind0-0" not in without
+    said = f"{len(without)} shape" + (" has" if len(without) == 1 else "s have") + " no trunk"
+    assert said in done.stdout and said in (tmp_path / "outputs" / "folder" / "report.html").read_text()
+    qcrs = pq.read_table(tmp_path / "outputs" / "folder" / "qcrs").to_pylist()
+    needle_number = sorted(trunks).index("needle-1")
+    lonely = [row for row in qcrs if needle_number in (row["i"], row["j"])]
+    assert len(lonely) == len(trunks) - 1 and all(row["score"] == 0 and row["n"] == 0 for row in lonely)
+
+
+def test_shapes_of_one_class_make_no_pair_and_that_is_said(tmp_path: Path) -> None:
+    folder = tmp_path / "pictures" / "all"
+    folder.mkdir(parents=True)
+    for number in range(3):
+        draw(folder / f"{number}.png", number)
+    for policy in ("global", "paper"):
+        done = run(tmp_path, folder.parent, "cluster=sync", f"select.policy={policy}")
+        assert done.returncode == CLEAN, done.stdout + done.stderr
+        assert f"No pair was selected: select.policy={policy}" in done.stdout
+    assert table(tmp_path, "transforms") == []
 
 
 def test_a_collection_without_one_shape_still_ends_well(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """The report of an invented run: complete, self-contained, escaped, and the same every time."""
 
+import json
 import re
 import shutil
 import xml.etree.ElementTree as ET
@@ -190,6 +191,20 @@ def test_a_run_that_found_nothing_has_a_report(tmp_path):
     shown = "".join(page.text)
     assert "No transform was constructed" in shown and "No construction was rejected" in shown
     assert not page.all("article")
+
+
+def test_what_a_reader_could_wonder_about_is_said(tmp_path):
+    fake_run.write_fake_run(tmp_path, made=[], rejected=0)
+    facts = json.loads((tmp_path / "run.json").read_text())
+    facts["counts"] |= {"without_trunks": 2, "selected": 0, "classes": 1, "ignored_files": 1}
+    facts["configuration"] = {"select": {"policy": "global"}}
+    (tmp_path / "run.json").write_text(json.dumps(facts))
+    page = Page(write_report(tmp_path).read_text(encoding="utf-8"))
+    shown = "".join(page.text)
+    assert len([one for one in page.all("p") if one.get("class") == "remark"]) == 3
+    assert "2 shapes have no trunk, so that every QCRS with them is 0" in shown
+    assert "No pair was selected: select.policy=global pairs shapes of different classes" in shown
+    assert "1 file was ignored" in shown
 
 
 def test_an_empty_qcrs_folder_is_a_run_without_pairs(tmp_path):
