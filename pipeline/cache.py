@@ -14,7 +14,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from pipeline.errors import StartError
 from pipeline.record import ARTIFACTS
+from pipeline.remarks import several
 from pipeline.store import TEMPORARY, State, Store
 
 STALE_SECONDS = 3600.0
@@ -48,12 +50,20 @@ def damaged(store: Store) -> list[tuple[str, str]]:
 
 
 def needed(outputs: Path) -> tuple[set[tuple[str, str]], int]:
-    """(stage, key) of every artifact that a run below ``outputs`` stands on, and the number of those runs."""
+    """(stage, key) of every artifact that a run below ``outputs`` stands on, and the number of those runs.
+
+    Raises `StartError` for a run whose list cannot be read: what it needs is not known.
+    """
     keys: set[tuple[str, str]] = set()
     runs = sorted(outputs.rglob(ARTIFACTS)) if outputs.is_dir() else []
     for file in runs:
-        for stage, names in json.loads(file.read_bytes()).items():
-            keys.update((stage, name) for name in names)
+        try:
+            for stage, names in json.loads(file.read_bytes()).items():
+                keys.update((stage, name) for name in names)
+        except (OSError, ValueError, TypeError, AttributeError) as error:
+            raise StartError(
+                f"{file}: cannot be read ({error}); run again, or remove the run's folder if it is not needed"
+            ) from error
     return keys, len(runs)
 
 
@@ -100,12 +110,18 @@ def _verify(store: Store, console: Console) -> int:
     for stage, key in found:
         console.print(f"corrupt or not committed: {stage}/{key}")
     total = sum(1 for _ in store.folders())
-    console.print(f"{total} artifacts, {len(found)} damaged" + ("; the next run makes them again" if found else ""))
+    console.print(
+        f"{several(total, 'artifact')}, {len(found)} damaged" + ("; the next run makes them again" if found else "")
+    )
     return DAMAGED if found else OK
 
 
 def _collect_garbage(store: Store, outputs: Path, dry_run: bool, console: Console) -> int:
-    keep, runs = needed(outputs)
+    try:
+        keep, runs = needed(outputs)
+    except StartError as error:
+        console.print(str(error), markup=False)
+        return BAD_START
     if runs == 0:
         console.print(
             f"{outputs}: no finished run here names what it needs, so that everything would go; "
@@ -121,7 +137,9 @@ def _collect_garbage(store: Store, outputs: Path, dry_run: bool, console: Consol
         elif not dry_run:
             path.unlink(missing_ok=True)
     verb = "would be deleted" if dry_run else "deleted"
-    console.print(f"{count} artifacts or left-over files, {size / 1e6:,.1f} MB, {verb}; {runs} runs keep {len(keep)}")
+    what = several(count, "artifact or left-over file", "artifacts or left-over files")
+    keeping = several(runs, "run keeps", "runs keep")
+    console.print(f"{what}, {size / 1e6:,.1f} MB, {verb}; {keeping} {several(len(keep), 'artifact')}")
     return OK
 
 

@@ -7,6 +7,7 @@ picture shows the pixels that the manifest kept with the project lists.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
 import hashlib
 import os
@@ -55,11 +56,14 @@ def fetch(
     exists with other content, or cannot be written.
     """
     entries = read_manifest(manifest)
+    if target.exists() and not target.is_dir():
+        raise DatasetError(f"{target}: exists, and is not a folder; give another place")
     if target.exists() and any(target.iterdir()):
         faults = check(target, entries)
         if not faults:
             return False
         raise DatasetError(f"{target}: exists, and is not the data set ({_summary(faults)}); remove or rename it")
+    new_parent = not target.parent.exists()
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.parent) as temporary:
@@ -80,6 +84,10 @@ def fetch(
         if isinstance(error, DatasetError):
             raise
         raise DatasetError(f"{target}: cannot be written ({error.strerror or error}); give another folder") from error
+    finally:
+        if new_parent:
+            with contextlib.suppress(OSError):  # there by now, unless nothing was fetched
+                target.parent.rmdir()
     return True
 
 
@@ -119,13 +127,20 @@ def read_manifest(path: Path) -> list[Entry]:
 
 
 def write_manifest(folder: Path, path: Path) -> int:
-    """List the pictures of a folder into a manifest file, sorted by name; returns their number."""
+    """List the pictures of a folder into a manifest file, sorted by name; returns their number.
+
+    Raises `DatasetError` for a folder without pictures, OSError or ValueError for a damaged one; then nothing is
+    written.
+    """
     files = sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
+    if not files:
+        raise DatasetError(f"{folder}: no pictures here ({', '.join(SUFFIXES)})")
+    entries = [entry_of(picture, picture.stem) for picture in files]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["name", "width", "height", "sha256"])
-        writer.writerows(astuple(entry_of(picture, picture.stem)) for picture in files)
-    return len(files)
+        writer.writerows(astuple(entry) for entry in entries)
+    return len(entries)
 
 
 def _entry_or_none(path: Path, name: str) -> Entry | None:

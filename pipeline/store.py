@@ -11,6 +11,7 @@ import contextlib
 import json
 import mmap
 import os
+import re
 import uuid
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from pipeline.keys import SCHEMA, KeyParts, digest_bytes
 PAYLOAD = "payload.bin"
 MANIFEST = "manifest.json"
 TEMPORARY = ".tmp-"
+KEY = re.compile("[0-9a-f]{64}")
 
 
 class State(Enum):
@@ -129,7 +131,8 @@ class Store:
         for stage_folder in sorted(self.root.iterdir()):
             if stage_folder.is_dir() and (stage is None or stage_folder.name == stage):
                 for folder in sorted(stage_folder.glob("??/*")):
-                    if folder.is_dir():
+                    # Nothing but what `put` makes: whoever tidies a wrong folder must not find artifacts there.
+                    if KEY.fullmatch(folder.name) and folder.name.startswith(folder.parent.name) and folder.is_dir():
                         yield stage_folder.name, folder.name
 
     @contextlib.contextmanager

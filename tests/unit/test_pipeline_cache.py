@@ -66,6 +66,27 @@ def test_gc_without_a_run_deletes_nothing(tmp_path: Path, store: Store, capsys: 
     assert store.state("crs", key("a")) is State.PRESENT
 
 
+def test_gc_knows_artifacts_from_other_folders(tmp_path: Path, store: Store) -> None:
+    letters = store.root / "letters" / "ab" / "old"
+    letters.mkdir(parents=True)
+    keep(tmp_path, "a")
+    assert call(tmp_path, "gc") == OK
+    assert letters.is_dir() and store.state("crs", key("b")) is State.ABSENT
+
+
+def test_gc_with_a_damaged_run_deletes_nothing(
+    tmp_path: Path, store: Store, capsys: pytest.CaptureFixture[str]
+) -> None:
+    keep(tmp_path, "a")
+    other = tmp_path / "outputs" / "other" / ARTIFACTS
+    other.parent.mkdir()
+    for text in ("{", "[]", '{"crs": 3}'):
+        other.write_text(text)
+        assert call(tmp_path, "gc") == BAD_START
+        assert ARTIFACTS in capsys.readouterr().out
+    assert store.state("crs", key("b")) is State.PRESENT
+
+
 def test_no_store_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["du", "--store", str(tmp_path / "none")]) == BAD_START
     assert "--store" in capsys.readouterr().out
