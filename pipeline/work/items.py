@@ -40,14 +40,14 @@ def pack_shapes(shapes: Sequence[Shape | None]) -> dict[str, AnyArray]:
 
     A missing shape has no points. Names are left out: they are no part of the geometry.
     """
-    empty = Shape(np.empty((0, 2)), np.empty(0, dtype=bool))
-    present = [shape if shape is not None else empty for shape in shapes]
-    lengths = np.array([len(shape.points) for shape in present], dtype=np.int64)
+    lengths = np.array([0 if shape is None else len(shape.points) for shape in shapes], dtype=np.int64)
+    present = [shape for shape in shapes if shape is not None]
+    to_source = [np.eye(2, 3) if shape is None else shape.to_source for shape in shapes]
     return {
         "offsets": np.concatenate([np.zeros(1, np.int64), np.cumsum(lengths)]),
-        "points": np.concatenate([shape.points for shape in present]) if present else np.empty((0, 2)),
-        "feature": np.concatenate([shape.feature for shape in present]) if present else np.empty(0, bool),
-        "to_source": np.stack([shape.to_source for shape in present]) if present else np.empty((0, 2, 3)),
+        "points": np.concatenate([np.empty((0, 2)), *(shape.points for shape in present)]),
+        "feature": np.concatenate([np.empty(0, bool), *(shape.feature for shape in present)]),
+        "to_source": np.array(to_source).reshape(-1, 2, 3),
     }
 
 
