@@ -138,8 +138,8 @@ def build(cls: type[T], values: Mapping[str, Any], where: str = "") -> T:
         return cls(**filled)
     except ConfigError:
         raise
-    except ValueError as error:  # a dataclass that checks itself
-        raise ConfigError(f"{where.rstrip('.') or 'configuration'}: {error}") from error
+    except ValueError as error:  # a dataclass that checks itself, and names its field first
+        raise ConfigError(f"{where}{error}") from error
 
 
 def unknown_name(name: str, allowed: list[str]) -> str:
@@ -158,8 +158,6 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
         if value not in allowed or isinstance(value, bool):
             raise ConfigError(f"{where}: {value!r} is not allowed; choose one of {', '.join(map(str, allowed))}")
         return value
-    if origin is tuple:
-        return _convert_tuple(typing.get_args(hint), value, where)
     if dataclasses.is_dataclass(hint):
         if not isinstance(value, Mapping):
             raise ConfigError(f"{where}: expected a group of parameters, got {value!r}")
@@ -194,18 +192,6 @@ def _convert_union(options: tuple[Any, ...], value: Any, where: str) -> Any:
         raise failures[0]
     expected = " or ".join(_describe(option) for option in options)
     raise ConfigError(f"{where}: expected {expected}, got {value!r}")
-
-
-def _convert_tuple(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
-    if isinstance(value, str) or not isinstance(value, typing.Sequence):
-        raise ConfigError(f"{where}: expected a list, got {value!r}")
-    if len(arguments) == 2 and arguments[1] is Ellipsis:
-        return tuple(_convert(arguments[0], item, f"{where}[{i}]") for i, item in enumerate(value))
-    if len(arguments) != len(value):
-        raise ConfigError(f"{where}: expected {len(arguments)} values, got {len(value)}")
-    return tuple(
-        _convert(hint, item, f"{where}[{i}]") for i, (hint, item) in enumerate(zip(arguments, value, strict=True))
-    )
 
 
 def _describe(hint: Any) -> str:

@@ -49,7 +49,7 @@ def _best(outcome: Outcome) -> Table:
     table = Table(title="Best transforms, least deformed first", title_justify="left")
     for title, justify in (("", "right"), ("P", "left"), ("Q", "left"), ("n", "right")):
         table.add_column(title, justify=justify, max_width=30)  # type: ignore[arg-type]
-    for title in ("QCRS", "CRS", "IoU P", "IoU Q", "bound", "Hausdorff/L_c", "residual"):
+    for title in ("QCRS", "CRS", "IoU P ≤ bound", "IoU Q ≤ bound", "Hausdorff/L_c", "residual"):
         table.add_column(title, justify="right")
     rows = pq.read_table(outcome.folder / "transforms.parquet").to_pylist()
     for row in [row for row in rows if row["status"] == "certified"][:BEST]:
@@ -61,9 +61,8 @@ def _best(outcome: Outcome) -> Table:
             str(row["n"]),
             f"{row['qcrs']:.3f}",
             f"{row['crs']:.3f}",
-            f"{row['iou_p']:.3f}",
-            f"{row['iou_q']:.3f}",
-            f"{min(row['bound_p'], row['bound_q']):.3f}",
+            f"{row['iou_p']:.3f} ≤ {row['bound_p']:.3f}",
+            f"{row['iou_q']:.3f} ≤ {row['bound_q']:.3f}",
             f"{max(row['hausdorff_p'], row['hausdorff_q']):.4f}",
             f"{residual:.0e}",
         )

@@ -22,7 +22,10 @@ def small(value: float | None) -> str:
     """A residual: its order of magnitude is what matters."""
     if value is None or not math.isfinite(value):
         return NOTHING
-    return "0" if value == 0 else f"{value:.0e}".replace("e-0", "e-").replace("e-", "·10<sup>−") + "</sup>"
+    if value == 0:
+        return "0"
+    digit, _, exponent = f"{value:.0e}".partition("e")
+    return f"{digit}·10<sup>{int(exponent)}</sup>".replace("-", "−")
 
 
 def count(value: float | None) -> str:

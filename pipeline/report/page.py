@@ -63,7 +63,7 @@ def _top(run: Run, name: str) -> str:
         ("rejected", count(len(run.rejected))),
         ("errors", count(len(run.errors))),
         ("best IoU", best),
-        ("time of this run", seconds(took)),
+        ("time of all stages", seconds(took)),
     ]
     links = [
         ("gallery", "Gallery"), ("best", "Best pairs"), ("scores", "Scores"), ("time", "Time"),

@@ -9,6 +9,7 @@ import pyarrow.parquet as pq
 
 from pipeline import tables
 from riot.groundtruth import exact_pair, exact_transform
+from riot.polyline import signed_area
 
 NAMES = (
     ("cat-1", "dog 2"),
@@ -23,7 +24,8 @@ def worn(transform, names, amplitude=0.02):
 
     def waved(shape, name):
         angle = np.arctan2(shape.points[:, 1], shape.points[:, 0])
-        return replace(shape, points=shape.points * (1.0 + amplitude * np.sin(5.0 * angle))[:, None], name=name)
+        points = shape.points * (1.0 + amplitude * np.sin(5.0 * angle))[:, None]
+        return replace(shape, points=points / np.sqrt(signed_area(points)), name=name)
 
     return replace(
         transform, p=waved(transform.p, names[0]), q=waved(transform.q, names[1]), bound_p=0.975, bound_q=0.97

@@ -13,6 +13,7 @@ import pytest
 from pipeline import tables
 from pipeline.report import write_report
 from pipeline.report.histogram import CELLS, distribution
+from pipeline.report.markup import small
 from pipeline.report.rows import ReportError, read_run
 from riot.draw.palette import hue
 
@@ -205,6 +206,11 @@ def test_what_a_reader_could_wonder_about_is_said(tmp_path):
     assert "2 shapes have no trunk, so that every QCRS with them is 0" in shown
     assert "No pair was selected: select.policy=global pairs shapes of different classes" in shown
     assert "1 file was ignored" in shown
+
+
+def test_residuals_of_any_size_are_markup():
+    shown = [small(value) for value in (0.0, 7e-16, 0.05, 3.0, 2e12, float("nan"))]
+    assert shown == ["0", "7·10<sup>−16</sup>", "5·10<sup>−2</sup>", "3·10<sup>0</sup>", "2·10<sup>12</sup>", "–"]
 
 
 def test_an_empty_qcrs_folder_is_a_run_without_pairs(tmp_path):
