@@ -18,6 +18,9 @@ from riot.trunks import Trunks, full_trunks
 FIRST_LIMIT = 1.0
 """First try at the distance up to which candidates are listed; any value gives the same result."""
 
+LAST_LIMIT = 64.0
+"""Beyond this distance, a score of 0, all candidates are listed; any value gives the same result."""
+
 CHUNK = 16
 """Candidates whose area terms are evaluated at once."""
 
@@ -93,8 +96,10 @@ def best_trunk_pairs(
     """The ``count`` trunk pairs of highest score, best first; fewer if there are not so many.
 
     Best-first: candidates are taken in order of a lower bound of their distance, until the bound passes the worst of
-    those to be kept, so that the result is that of evaluating all.
+    those to be kept, so that the result is that of evaluating all. Raises ValueError if ``count`` < 1.
     """
+    if count < 1:
+        raise ValueError(f"best_trunk_pairs({count=}): ask for one pair at least")
     trunks_a = full_trunks(a) if trunks_a is None else trunks_a
     trunks_b = full_trunks(b) if trunks_b is None else trunks_b
     parameters = parameters or CrsParameters()
@@ -104,8 +109,11 @@ def best_trunk_pairs(
         kept, evaluated = _evaluate(a, b, trunks_a, trunks_b, parameters, bounds, terms, which, count)
         if limit == math.inf or (len(kept) == count and kept[-1][0] <= limit):
             break
-        # Nothing beyond the worst distance found can be among the best.
-        limit = kept[-1][0] if len(kept) == count else math.inf
+        # Nothing beyond the worst distance found can be among the best. Poor pairs have millions of candidates, so that
+        # the limit goes up in steps.
+        limit = 2.0 * limit if limit < LAST_LIMIT else math.inf
+        if len(kept) == count:
+            limit = min(limit, kept[-1][0])
     return [_describe(trunks_a, trunks_b, parameters, triple, area, evaluated) for _, triple, area in kept]
 
 

@@ -201,6 +201,23 @@ def test_best_first_crs_equals_brute_force(one: int, other: int) -> None:
     assert ranked[0] == found.score
 
 
+@pytest.mark.parametrize("first_limit", [1e-3, 0.3, 5.0, math.inf])
+def test_the_first_limit_changes_nothing(first_limit: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    a, b = blob(1), blob(2)
+    trunks_a, trunks_b = thinned(full_trunks(a), 40), thinned(full_trunks(b), 40)
+    expected = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
+    monkeypatch.setattr("riot.cross.FIRST_LIMIT", first_limit)
+    found = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
+    assert [score.score for score in found] == [score.score for score in expected]
+    assert all(np.array_equal(x.trunk_b, y.trunk_b) for x, y in zip(found, expected, strict=True))
+    # More than there are: all of them, whatever their distance.
+    few_a, few_b = thinned(full_trunks(a), 2), thinned(full_trunks(b), 2)
+    everything = best_trunk_pairs(a, b, few_a, few_b, count=1000)
+    assert len(everything) == sum(int(n) for n in few_a.sizes for other in few_b.sizes if other == n)
+    with pytest.raises(ValueError, match="one pair at least"):
+        best_trunk_pairs(a, b, few_a, few_b, count=0)
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_exact_pairs_score_high(seed: int) -> None:
     p, q = pair_shapes(exact_pair(4, seed))
