@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -29,17 +30,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
             make(chosen.a, chosen.b, chosen.output)
         else:
             show(Transform.load(chosen.file))
-    except (RiotError, OSError) as error:
+    except RiotError as error:
         print(f"riot: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        said = f"{error.filename}: {error.strerror}; check the path" if error.filename and error.strerror else error
+        print(f"riot: {said}", file=sys.stderr)
         return 2
     return 0
 
 
 def make(path_a: Path, path_b: Path, folder: Path) -> None:
     """Construct the transform of two silhouettes and write it to ``folder``: .riot, pictures, animation."""
+    a, b = (_named(path, other) for path, other in ((path_a, path_b), (path_b, path_a)))
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, "a file, where results need a folder", str(folder))
     folder.mkdir(parents=True, exist_ok=True)
     warm_all(lambda text: print(text, file=sys.stderr))
-    a, b = (_named(path, other) for path, other in ((path_a, path_b), (path_b, path_a)))
     print(f"QCRS {qcrs(a, b).score:.3f}, CRS {crs(a, b).score:.3f}")
     transform = construct(a, b)
     show(transform)

@@ -70,14 +70,22 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
     except UnidentifiedImageError as error:
         raise SilhouetteError(
             "not-a-picture",
-            f"{where}: the content is none of {', '.join(FORMATS)} or SVG; convert it to PNG, or remove the file",
+            f"{where}: the content is none of {', '.join(FORMATS)}; convert it to PNG, or remove the file "
+            "(an SVG file is read by Shape.from_svg)",
         ) from error
     except Image.DecompressionBombError as error:
         raise SilhouetteError("too-large", f"{where}: {error}; scale the picture down") from error
+    except OSError as error:
+        if error.strerror is None:  # what Pillow says of a truncated file
+            raise _damaged(where, error) from error
+        raise SilhouetteError("unreadable", f"{where}: cannot be read ({error.strerror}); check the path") from error
     except Exception as error:  # decoders raise nearly anything on damaged files
-        raise SilhouetteError(
-            "unreadable", f"{where}: cannot be read ({_first_line(error)}); restore the file or save it again"
-        ) from error
+        raise _damaged(where, error) from error
+
+
+def _damaged(where: Path, error: Exception) -> SilhouetteError:
+    said = (str(error).splitlines() or [type(error).__name__])[0]
+    return SilhouetteError("unreadable", f"{where}: cannot be read ({said}); restore the file or save it again")
 
 
 def _grey(image: Image.Image) -> Picture:
@@ -106,7 +114,3 @@ def _block_mean(values: FloatArray, factor: int) -> FloatArray:
     padded = np.pad(values, ((0, rows), (0, columns)), mode="edge")
     blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor)
     return np.asarray(blocks.mean(axis=(1, 3)), dtype=np.float64)
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from pathlib import Path
@@ -45,7 +46,7 @@ def from_json(text: str, where: str = "text") -> Transform:
     """Read what `to_json` wrote; ``where`` names the source in errors."""
     try:
         document = json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise FormatError(f"{where} is not a .riot file: it is not JSON ({error})") from None
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise FormatError(f'{where} is not a .riot file: it lacks "format": "{FORMAT}"')
@@ -61,11 +62,17 @@ def from_json(text: str, where: str = "text") -> Transform:
 
 
 def save(transform: Transform, path: str | os.PathLike[str]) -> None:
-    """Write ``path``; a file already there is replaced in one step."""
+    """Write ``path``; a file already there is replaced in one step. OSError if it cannot be."""
     target = Path(path)
     temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-    temporary.write_text(to_json(transform), encoding="utf-8")
-    temporary.replace(target)
+    text = to_json(transform)
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(target)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+        raise OSError(error.errno, error.strerror, str(target)) from error
 
 
 def load(path: str | os.PathLike[str]) -> Transform:
@@ -89,6 +96,22 @@ def _points(value: Any) -> FloatArray:
     return points
 
 
+def _finite(values: Any) -> list[float]:
+    numbers = [float(value) for value in values]
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"{numbers} where finite numbers belong")
+    return numbers
+
+
+def _piece(document: dict[str, Any]) -> Piece:
+    (length,) = _finite([document["length"]])
+    lower, upper = _points(document["lower"]), _points(document["upper"])
+    ends = np.array([[0.0, 0.0], [length, 0.0]])
+    if length <= 0.0 or not (np.array_equal(lower[[0, -1]], ends) and np.array_equal(upper[[-1, 0]], ends)):
+        raise ValueError(f"a piece's arcs do not run between (0, 0) and ({length}, 0)")
+    return Piece(length, lower, upper)
+
+
 def _shape(document: dict[str, Any]) -> Shape:
     points = _points(document["points"])
     feature = np.zeros(len(points), dtype=bool)
@@ -98,19 +121,16 @@ def _shape(document: dict[str, Any]) -> Shape:
 
 
 def _transform(document: dict[str, Any]) -> Transform:
-    pieces = tuple(
-        Piece(float(piece["length"]), _points(piece["lower"]), _points(piece["upper"])) for piece in document["pieces"]
-    )
-    angles = np.asarray(document["angles"], dtype=np.float64)
-    conjugate = np.asarray(document["conjugate_angles"], dtype=np.float64)
+    pieces = tuple(_piece(piece) for piece in document["pieces"])
+    angles, conjugate = np.array(_finite(document["angles"])), np.array(_finite(document["conjugate_angles"]))
     if len(pieces) < 3 or angles.shape != (len(pieces),) or conjugate.shape != angles.shape:
         raise ValueError(f"{len(pieces)} pieces, {angles.shape} and {conjugate.shape} angles")
     return Transform(
         pieces=pieces,
         angles=angles,
         conjugate_angles=conjugate,
-        place_p=Placement(*map(float, document["place_p"])),
-        place_q=Placement(*map(float, document["place_q"])),
+        place_p=Placement(*_finite(document["place_p"])),
+        place_q=Placement(*_finite(document["place_q"])),
         p=_shape(document["p"]),
         q=_shape(document["q"]),
         trunk_p=_points(document["trunk_p"]),

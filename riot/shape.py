@@ -9,12 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from riot.errors import SilhouetteError
+
 if TYPE_CHECKING:
     from riot.parameters import ShapeParameters
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
+
+AREA_TOLERANCE = 1e-6
+"""By how much a shape's area may differ from 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +38,42 @@ class Shape:
     to_source : (2, 3) float64
         Affine map from the shape's frame to the source's coordinates (pixels as x = column, y = row; or the
         polygon's own): ``source = to_source[:, :2] @ point + to_source[:, 2]``.
+
+    Raises
+    ------
+    SilhouetteError
+        ``degenerate``: arrays of other shapes or types, or an area other than 1. `from_polygon` takes any polygon.
     """
 
     points: FloatArray
     feature: BoolArray
     name: str = ""
     to_source: FloatArray = field(default_factory=lambda: np.eye(2, 3))
+
+    def __post_init__(self) -> None:
+        """Refuse what no function of the library would understand."""
+        points = self.points
+        if not isinstance(points, np.ndarray) or points.ndim != 2 or points.shape[1] != 2 or len(points) < 3:
+            raise SilhouetteError(
+                "degenerate", f"{self._who}: points is an (m, 2) array, m ≥ 3; use Shape.from_polygon"
+            )
+        if points.dtype != np.float64 or not np.isfinite(points).all():
+            raise SilhouetteError("degenerate", f"{self._who}: points are finite float64; use Shape.from_polygon")
+        if np.shape(self.feature) != points.shape[:1] or np.shape(self.to_source) != (2, 3):
+            raise SilhouetteError(
+                "degenerate", f"{self._who}: feature is ({len(points)},) and to_source (2, 3); use Shape.from_polygon"
+            )
+        x, y = points.T
+        area = 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+        if not abs(area - 1.0) < AREA_TOLERANCE:
+            raise SilhouetteError(
+                "degenerate",
+                f"{self._who}: the points enclose {area:.6g}, not 1 counter-clockwise; use Shape.from_polygon",
+            )
+
+    @property
+    def _who(self) -> str:
+        return self.name or "the shape"
 
     @property
     def perimeter(self) -> float:

@@ -31,6 +31,15 @@ _REPAIRED = 0.95
 _THIN = 1e-9
 """A polygon with less area than this share of its bounding square is degenerate."""
 
+_LONGEST = 32.0
+"""So is one with more perimeter than this, in units of ``L_c`` at unit area: its S1 is 0, and its points thousands."""
+
+_SCALES = (1e-100, 1e100)
+"""Coordinates or grey values beyond these overflow when squared; none is meant in earnest."""
+
+_DIGITS = 1e-12
+"""An outline smaller than this share of its distance from the origin has lost its form to rounding."""
+
 
 def read(path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
     """Read the silhouette in a picture or SVG file, told apart by the content.
@@ -79,13 +88,21 @@ def read_svg(path: str | os.PathLike[str], parameters: ShapeParameters | None = 
 def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
     """Make a shape of a (rows, columns) array of booleans or grey values; polarity, errors as `read_image`."""
     chosen = parameters or ShapeParameters()
-    values = np.asarray(mask)
     where = name or "the array"
+    try:
+        values = np.asarray(mask)
+    except ValueError as error:
+        raise SilhouetteError("unreadable", f"{where}: a mask is a 2-D array; its rows differ in length") from error
     if values.ndim != 2 or values.size == 0:
         raise SilhouetteError("empty", f"{where}: a mask is a 2-D array with pixels, not {values.shape}")
     if values.dtype.kind not in "biuf" or not np.isfinite(values).all():
         raise SilhouetteError("unreadable", f"{where}: a mask holds finite numbers or booleans")
-    return _picture_shape(Picture(values.astype(np.float64), False, 1), name, where, chosen)
+    values = values.astype(np.float64)
+    if np.abs(values).max() > _SCALES[1] or 0.0 < values.max() - values.min() < _SCALES[0]:
+        raise SilhouetteError(
+            "unreadable", f"{where}: the grey values are beyond {_SCALES[0]} … {_SCALES[1]}; scale them"
+        )
+    return _picture_shape(Picture(values, False, 1), name, where, chosen)
 
 
 def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
@@ -101,7 +118,10 @@ def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParame
     """
     where = name or "the polygon"
     try:
-        array = np.array(points, dtype=np.float64)
+        given = np.asarray(points)
+        if given.dtype.kind in "cmM":
+            raise TypeError(given.dtype)
+        array = np.array(given, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise SilhouetteError("unreadable", f"{where}: a polygon is an (m, 2) array of numbers") from error
     if array.ndim != 2 or array.shape[1] != 2 or not np.isfinite(array).all():
@@ -225,6 +245,7 @@ def _with_neighbours(inside: BoolArray) -> tuple[BoolArray, BoolArray]:
 
 def _outline_shape(points: FloatArray, name: str, where: str, parameters: ShapeParameters, *, y_down: bool) -> Shape:
     """Sample one closed outline and bring it to the frame of a `Shape`."""
+    _refuse_scale(points, where)
     flip = np.array([1.0, -1.0 if y_down else 1.0])
     outline = _simple_outline(points * flip, where)
     samples, feature = _sampled(outline, where, parameters)
@@ -233,6 +254,20 @@ def _outline_shape(points: FloatArray, name: str, where: str, parameters: ShapeP
     scale = math.sqrt(area)
     to_source = np.column_stack([np.diag(scale * flip), centre * flip])
     return Shape((samples - centre) / scale, feature, name, to_source)
+
+
+def _refuse_scale(points: FloatArray, where: str) -> None:
+    far = float(np.abs(points).max(initial=0.0))
+    extent = float(np.ptp(points, axis=0).max()) if far <= _SCALES[1] and len(points) else 0.0
+    if far > _SCALES[1] or 0.0 < extent < _SCALES[0]:
+        raise SilhouetteError(
+            "degenerate", f"{where}: the coordinates are beyond {_SCALES[0]} … {_SCALES[1]} in size; scale the outline"
+        )
+    if 0.0 < extent < _DIGITS * far:
+        raise SilhouetteError(
+            "degenerate",
+            f"{where}: an outline {extent:.3g} wide, {far:.3g} from the origin, has lost its form to rounding; move it",
+        )
 
 
 def _simple_outline(points: FloatArray, where: str) -> FloatArray:
@@ -270,6 +305,13 @@ def _repaired(points: FloatArray, where: str) -> FloatArray:
 def _sampled(outline: FloatArray, where: str, parameters: ShapeParameters) -> tuple[FloatArray, BoolArray]:
     """Feature points and midpoints between them, closer than ``L_c / spacing`` at the samples' own scale."""
     unit = math.sqrt(polyline.signed_area(outline))
+    length = float(polyline.edge_lengths(outline).sum()) / (L_C * unit)
+    if length > _LONGEST:
+        raise SilhouetteError(
+            "degenerate",
+            f"{where}: the outline is {length:.0f} times as long as that of a disc of the same area, more than "
+            f"{_LONGEST:.0f}; the object is too thin, or its outline too ragged, for a dissection",
+        )
     tolerance = parameters.feature_tolerance
     for _ in range(4):
         kept = polyline.simplify(outline, tolerance * L_C * unit)

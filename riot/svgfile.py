@@ -35,17 +35,25 @@ def load(path: str | os.PathLike[str]) -> ElementTree.Element:
         if size > _MAX_BYTES:
             raise SilhouetteError("too-large", f"{where}: {size} bytes are more than {_MAX_BYTES}; simplify the file")
         data = where.read_bytes()
-    except OSError as error:
-        raise SilhouetteError("unreadable", f"{where}: cannot be read ({error.strerror})") from error
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character; ours is one, too
+        if isinstance(error, SilhouetteError):
+            raise
+        said = getattr(error, "strerror", error)
+        raise SilhouetteError("unreadable", f"{where}: cannot be read ({said}); check the path") from error
     try:
         _refuse_declarations(data, where)
         root = ElementTree.fromstring(data)
     except (expat.ExpatError, ElementTree.ParseError, ValueError, LookupError, RecursionError) as error:
         if isinstance(error, SilhouetteError):
             raise
-        raise SilhouetteError("unreadable", f"{where}: not well-formed XML ({error}); save the file again") from error
+        raise SilhouetteError(
+            "unreadable",
+            f"{where}: not well-formed XML ({error}); save the file again (a picture is read by Shape.from_image)",
+        ) from error
     if _tag(root) != "svg":
-        raise SilhouetteError("unreadable", f"{where}: the XML is no SVG (its root is <{_tag(root)}>)")
+        raise SilhouetteError(
+            "unreadable", f"{where}: the XML is no SVG (its root is <{_tag(root)}>); export the drawing as SVG or PNG"
+        )
     _refuse_references(root, where)
     _refuse_explosions(root, where)
     _refuse_clipping(root, where)

@@ -40,7 +40,7 @@ def looks_like_svg(path: str | os.PathLike[str]) -> bool:
     try:
         with Path(path).open("rb") as file:
             head = file.read(64)
-    except OSError:
+    except (OSError, ValueError):  # ValueError: a path with a null character
         return False
     text = head.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # byte-order marks, UTF-16
     return text.startswith((b"<?xml", b"<svg", b"<!--", b"<!DOCTYPE"))

@@ -77,7 +77,7 @@ def congruency(shape: Shape, indices: IntArray, parameters: TrunkParameters) -> 
     """
     lengths = arc_length(shape.points)
     sigma = parameters.sigma_c * D_C
-    limit = sigma * math.sqrt(-2.0 * math.log(parameters.tau_c))
+    limit = sigma * math.sqrt(-2.0 * math.log(parameters.tau_c)) if parameters.tau_c > 0.0 else math.inf
     breaks = lengths[break_points(shape, parameters)]
     shortest = 0.5 * parameters.min_congruent * lengths[-1]
     length, distance, turn = longest_congruent(shape.points, lengths, indices, breaks, SAMPLE_STEP, limit, shortest).T

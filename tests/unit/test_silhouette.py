@@ -184,6 +184,50 @@ def test_polygons_without_area_or_sense() -> None:
     assert reason(polygon_shape, [[0.0, 0.0], [1.0, np.inf], [1.0, 0.0]]) == "unreadable"
     assert reason(polygon_shape, "triangle") == "unreadable"
     assert reason(polygon_shape, [[1.0, 2.0, 3.0]] * 4) == "unreadable"
+    assert reason(polygon_shape, np.array([[0j, 1j], [1j, 1j], [1j, 0j]])) == "unreadable"
+
+
+@pytest.mark.filterwarnings("error")
+def test_polygons_beyond_arithmetic() -> None:
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    for factor in (1e-300, 1e150, 1e307):
+        assert reason(polygon_shape, factor * square) == "degenerate"
+    assert reason(polygon_shape, square + 1e15) == "degenerate"
+    # As long as 560 discs of its area: sampled, it would have 65,000 points.
+    assert reason(polygon_shape, square * [1000.0, 0.001]) == "degenerate"
+    for good in (1e-90 * square, 1e90 * square, square.astype(np.int8), square[::-1] + 1e6, [*square, square[0]]):
+        assert len(polygon_shape(good).points) == len(polygon_shape(square).points)
+
+
+@pytest.mark.filterwarnings("error")
+def test_masks_beyond_arithmetic() -> None:
+    disc = np.hypot(*np.mgrid[-9:10, -9:10]) < 6.0
+    assert reason(mask_shape, disc * 1e-320) == "unreadable"
+    assert reason(mask_shape, disc * 1e305) == "unreadable"
+    assert reason(mask_shape, [[0, 1], [1]]) == "unreadable"
+    assert mask_shape(disc * 1e-50).points == pytest.approx(mask_shape(disc).points)
+
+
+def test_the_wrong_reader_is_told_of_the_right_one(tmp_path: Path) -> None:
+    picture, drawing = tmp_path / "a.png", tmp_path / "b.svg"
+    Image.new("L", (9, 9)).save(picture)
+    drawing.write_text('<svg xmlns="http://www.w3.org/2000/svg"><rect width="9" height="9"/></svg>')
+    with pytest.raises(SilhouetteError, match="from_image"):
+        Shape.from_svg(picture)
+    with pytest.raises(SilhouetteError, match="from_svg"):
+        Shape.from_image(drawing)
+    for reader in (Shape.from_image, Shape.from_svg, read):
+        for path in (tmp_path, tmp_path / "missing", "nu\0ll"):
+            assert reason(reader, path) == "unreadable"
+
+
+def test_a_shape_made_by_hand_must_be_one() -> None:
+    points = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    feature = np.ones(4, dtype=np.bool_)
+    assert Shape(points, feature).perimeter == 4.0
+    for wrong in (points.tolist(), points[:2], points[::-1], 2.0 * points, points.astype(np.float32), points * np.nan):
+        assert reason(lambda given: Shape(given, np.ones(len(given), dtype=np.bool_)), wrong) == "degenerate"
+    assert reason(lambda given: Shape(points, given), feature[:3]) == "degenerate"
 
 
 def test_a_small_loop_is_cut_off() -> None:

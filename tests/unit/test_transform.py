@@ -108,6 +108,7 @@ def test_file_reads_back_to_the_last_bit(made: Transform, tmp_path: Path) -> Non
     [
         ("not json", "not JSON"),
         ("[1, 2]", "not a .riot file"),
+        ("[" * 100_000, "not JSON"),
         ('{"format": "riot-transform", "version": 99}', "version 99"),
         ('{"format": "riot-transform", "version": 1}', "damaged"),
     ],
@@ -117,11 +118,38 @@ def test_other_files_are_refused(text: str, words: str) -> None:
         from_json(text)
 
 
-def test_damaged_numbers_are_refused(made: Transform) -> None:
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("pieces", 0, "lower", 0), [1.0]),
+        (("pieces", 0, "lower"), [[0.0, 0.0], [5.0, 5.0]]),
+        (("pieces", 0, "length"), math.nan),
+        (("pieces", 0, "length"), -1.0),
+        (("angles", 0), math.nan),
+        (("place_q", 1), math.inf),
+        (("p", "points", 0), [100.0, 100.0]),
+        (("p", "feature"), [99999]),
+        (("pieces",), 5),
+    ],
+)
+def test_damaged_numbers_are_refused(made: Transform, path: tuple[str | int, ...], value: object) -> None:
     document = json.loads(to_json(made))
-    document["pieces"][0]["lower"][0] = [1.0]
+    place = document
+    for key in path[:-1]:
+        place = place[key]
+    place[path[-1]] = value
     with pytest.raises(FormatError, match="damaged"):
         from_json(json.dumps(document))
+
+
+def test_saving_where_it_cannot_leaves_nothing(made: Transform, tmp_path: Path) -> None:
+    target = tmp_path / "folder.riot"
+    (target / "inner").mkdir(parents=True)
+    with pytest.raises(OSError, match=r"folder\.riot"):
+        made.save(target)
+    assert [path.name for path in tmp_path.iterdir()] == ["folder.riot"]
+    with pytest.raises(FileNotFoundError, match=r"made\.riot"):
+        made.save(tmp_path / "missing" / "made.riot")
 
 
 def draw(path: Path, points: list[tuple[float, float]]) -> Path:
@@ -143,10 +171,23 @@ def test_make_writes_transform_and_pictures(tmp_path: Path, capsys: pytest.Captu
     assert main(["show", str(tmp_path / "out" / "house--kite.riot")]) == 0
 
 
-def test_make_tells_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_commands_tell_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = tmp_path / "text.png"
     text.write_text("no picture")
-    assert main(["make", str(text), str(text), "-o", str(tmp_path / "out")]) == 2
-    assert "text.png" in capsys.readouterr().err
-    assert main(["show", str(tmp_path / "missing.riot")]) == 2
-    assert "missing.riot" in capsys.readouterr().err
+    square = draw(tmp_path / "square.png", [(40, 40), (200, 40), (200, 200), (40, 200)])
+    out = str(tmp_path / "out")
+    for arguments, words in (
+        (["make", str(text), str(square), "-o", out], "text.png"),
+        (["make", str(square), str(tmp_path), "-o", out], "directory"),
+        (["make", str(square), str(tmp_path / "missing.png"), "-o", out], "missing.png"),
+        (["make", str(square), str(square), "-o", str(text)], "text.png: a file"),
+        (["make", str(square), str(square), "-o", str(text / "sub")], "text.png"),
+        (["show", str(tmp_path / "missing.riot")], "missing.riot"),
+        (["show", str(tmp_path)], "directory"),
+        (["show", str(square)], "not a .riot file"),
+    ):
+        assert main(arguments) == 2
+        said = capsys.readouterr()
+        assert words in said.err
+        assert said.out == ""
+    assert not Path(out).exists()
