@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from riot.groundtruth import ExactPair
+from riot.parameters import ShapeParameters
 from riot.shape import FloatArray, Shape
 
 
@@ -26,5 +27,6 @@ def blob(seed: int, waves: int = 5, depth: float = 0.35) -> Shape:
 
 
 def pair_shapes(pair: ExactPair) -> tuple[Shape, Shape]:
-    """The shapes of an exact pair."""
-    return Shape.from_polygon(pair.p, name="P"), Shape.from_polygon(pair.q, name="Q")
+    """The shapes of an exact pair, with every vertex of its outlines."""
+    every = ShapeParameters(feature_tolerance=0.0)
+    return Shape.from_polygon(pair.p, "P", every), Shape.from_polygon(pair.q, "Q", every)
