@@ -109,8 +109,8 @@ def simplify(points: FloatArray, tolerance: float) -> IntArray:
     The boundary is cut at the vertex farthest from the centroid and the vertex farthest from that one, so the
     kept vertices depend neither on the start vertex nor on the polygon's position, rotation or (with the
     tolerance scaled) size. k ≥ 2; k = 2 only for a polygon as thin as the tolerance. A vertex of an exactly
-    symmetric polygon may be replaced by its mirror image when the polygon is rotated. ``tolerance`` is in the
-    units of ``points``.
+    symmetric polygon may be replaced by its mirror image when the polygon is turned or mirrored. ``tolerance`` is in
+    the units of ``points``.
     """
     m = len(points)
     if m < 3:

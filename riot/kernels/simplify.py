@@ -7,13 +7,17 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.shape import BoolArray, FloatArray
 
+_TIE = 1e-9
+"""Relative difference below which distances count as equal, however their coordinates round."""
+
 
 @kernel
 def douglas_peucker(points: FloatArray, tolerance: float) -> BoolArray:
     """Mark the vertices of an (m, 2) polyline that are kept; both ends always are.
 
     A vertex is measured against the chord as a segment, not as a line, so that a spike that runs past the end
-    of its chord is kept. Of equally distant vertices the first wins.
+    of its chord is kept. Of equally distant vertices, as on a straight side parallel to the chord, the one nearest to
+    an end of the chord wins, a corner; of these the first. So a turned or mirrored copy keeps the same ones.
     """
     m = points.shape[0]
     keep = np.zeros(m, dtype=np.bool_)
@@ -24,6 +28,7 @@ def douglas_peucker(points: FloatArray, tolerance: float) -> BoolArray:
     stack[0, 0] = 0
     stack[0, 1] = m - 1
     top = 1
+    squares, places = np.empty(m), np.empty(m)
     while top > 0:
         top -= 1
         first = stack[top, 0]
@@ -43,9 +48,14 @@ def douglas_peucker(points: FloatArray, tolerance: float) -> BoolArray:
                 t = min(1.0, max(0.0, (px * dx + py * dy) / square))
             ex = px - t * dx
             ey = py - t * dy
-            distance = ex * ex + ey * ey
-            if distance > worst:
-                worst = distance
+            squares[i], places[i] = ex * ex + ey * ey, t
+            if squares[i] > worst:
+                worst = squares[i]
+                split = i
+        outermost = -1.0
+        for i in range(first + 1, last if split >= 0 else 0):
+            if squares[i] >= worst * (1.0 - _TIE) and abs(places[i] - 0.5) > outermost + _TIE:
+                outermost = abs(places[i] - 0.5)
                 split = i
         if split >= 0:
             keep[split] = True

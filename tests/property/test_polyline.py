@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -88,3 +90,20 @@ def test_open_polyline_keeps_ends_and_spikes() -> None:
     line = np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [2.0, 0.0]])
     assert polyline.simplify_open(line, 0.5).tolist() == [0, 2, 3]
     assert polyline.resample_open(line, 5)[-1].tolist() == [2.0, 0.0]
+
+
+@given(st.floats(0.0, 6.28), st.booleans())
+@settings(max_examples=30, deadline=None)
+def test_sides_parallel_to_chords_keep_their_corners(angle: float, mirror: bool) -> None:
+    # Every point of the flat top is equally far from the chord below it: rounding must not choose among them.
+    corners = np.array([[0, 0], [20, 0], [17, 4], [12, 4], [11, 5], [6, 5], [4, 2]], dtype=float)
+    dense = polyline.resample(corners, 400)
+    expected = dense[polyline.simplify(dense, 0.3)]
+    c, s = math.cos(angle), math.sin(angle)
+    turn = np.array([[c, s], [-s, c]]) @ np.diag([-1.0 if mirror else 1.0, 1.0])
+    moved = dense @ turn
+    moved = moved[::-1] if mirror else moved
+    found = moved[polyline.simplify(moved, 0.3)] @ np.linalg.inv(turn)
+    gaps = np.hypot(*(found[:, None] - expected[None]).transpose(2, 0, 1))
+    assert len(found) == len(expected)
+    assert gaps.min(axis=1).max() < 1e-9
