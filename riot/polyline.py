@@ -130,19 +130,6 @@ def simplify(points: FloatArray, tolerance: float) -> IntArray:
     return np.sort((keep + first) % m).astype(np.int64)
 
 
-def resample(points: FloatArray, count: int) -> FloatArray:
-    """``count`` points at equal steps of arc length on a polygon, (count, 2), the first at vertex 0."""
-    lengths = arc_length(points)
-    return at_length(points, np.arange(count) * (lengths[-1] / count))
-
-
-def resample_open(points: FloatArray, count: int) -> FloatArray:
-    """``count`` ≥ 2 points at equal steps of arc length on a polyline, (count, 2), both ends included."""
-    step = np.diff(points, axis=0)
-    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(step[:, 0], step[:, 1]))])
-    return _interpolate(points, lengths, np.linspace(0.0, lengths[-1], count))
-
-
 def at_length(points: FloatArray, positions: FloatArray) -> FloatArray:
     """Points, (k, 2), at arc-length ``positions``, (k,), from vertex 0 of a polygon; they wrap around."""
     lengths = arc_length(points)
