@@ -47,6 +47,8 @@ def construct(
     """
     parameters = parameters or ConstructParameters()
     if trunks is not None:
+        if len(trunks) != 2:
+            raise TrunkError(f"trunks holds {len(trunks)} items: give two, the vertices on a and those on b")
         return construct_best([given_pair(a, b, *trunks, parameters)], parameters)
     full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
     for shape, found in ((a, full_a), (b, full_b)):
@@ -115,7 +117,10 @@ def given_pair(
     a: Shape, b: Shape, trunk_a: npt.ArrayLike, trunk_b: npt.ArrayLike, parameters: ConstructParameters
 ) -> TrunkPair:
     """Put given trunk vertices on the outlines, and check that they correspond; TrunkError if they do not."""
-    wanted = [np.asarray(trunk, dtype=np.float64) for trunk in (trunk_a, trunk_b)]
+    try:
+        wanted = [np.asarray(trunk, dtype=np.float64) for trunk in (trunk_a, trunk_b)]
+    except (TypeError, ValueError) as error:
+        raise TrunkError(f"trunks are lists of (x, y) coordinates, all of them numbers ({error})") from None
     for name, trunk in zip(("first", "second"), wanted, strict=True):
         if trunk.ndim != 2 or trunk.shape[1] != 2 or len(trunk) < 3 or not np.isfinite(trunk).all():
             raise TrunkError(f"the {name} trunk has shape {trunk.shape}: give (n, 2) finite coordinates, n ≥ 3")

@@ -225,6 +225,9 @@ def test_given_trunks_may_lie_near_the_outline_and_run_either_way() -> None:
         (lambda p, q: (p[[0, 2, 1, 3]], q), "do not follow one another"),
         (lambda p, q: (p[[0, 0, 1, 2]], q), "do not follow one another"),
         (lambda p, q: (p[:2], q[:2]), "n ≥ 3"),
+        (lambda p, q: (p,), "holds 1 items"),
+        (lambda p, q: (p, "here"), "all of them numbers"),
+        (lambda p, q: ([[0.0, 0.0], [1.0]], q), "all of them numbers"),
     ],
 )
 def test_wrong_trunks_are_refused_with_a_reason(change: object, words: str) -> None:
