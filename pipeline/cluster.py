@@ -9,6 +9,7 @@ import signal
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from pipeline.config import ClusterConfig
@@ -20,6 +21,9 @@ from pipeline.threads import ONE_THREAD
 Bundle = Sequence[WorkItem]
 MAX_ATTEMPTS = 3
 """A task is tried so often when workers are lost under it."""
+
+PATIENCE = 10
+"""Seconds without a result after which missing workers are looked for."""
 
 
 class Executor(Protocol):
@@ -42,11 +46,11 @@ def open_cluster(config: ClusterConfig) -> Iterator[Executor]:
     if config.kind == "sync":
         yield Here()
     elif config.kind == "local":
-        with _local(config) as client:
-            yield OnDask(client)
+        with _local(config) as executor:
+            yield executor
     else:
-        with _external(config) as client:
-            yield OnDask(client)
+        with _external(config) as executor:
+            yield executor
 
 
 class Here:
@@ -61,17 +65,21 @@ class Here:
                 yield from perform(root, [item])
 
 
+@dataclass(frozen=True)
 class OnDask:
-    """On a Dask cluster, with a bounded window of futures: the scheduler holds keys and receipts, never geometry."""
+    """On a Dask cluster, with a bounded window of futures: the scheduler holds keys and receipts, never geometry.
 
-    def __init__(self, client: Any, task: Callable[[str, Bundle], list[Receipt]] = perform) -> None:
-        self._client = client
-        self._task = task
+    ``revive`` is called whenever nothing has come for a while: it may start workers where some are missing.
+    """
+
+    client: Any
+    task: Callable[[str, Bundle], list[Receipt]] = perform
+    revive: Callable[[], None] = lambda: None
 
     @property
     def workers(self) -> int:
         """Threads of all workers."""
-        return max(1, sum(int(threads) for threads in self._client.nthreads().values()))
+        return max(1, sum(int(threads) for threads in self.client.nthreads().values()))
 
     def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
         """See `Executor.run`.
@@ -79,18 +87,16 @@ class OnDask:
         A task whose worker was lost is tried again once all others are done, with nothing beside it, so that one that
         kills its worker takes no other with it, and given up after `MAX_ATTEMPTS`.
         """
-        from distributed import as_completed
+        from distributed import wait
 
         waiting = deque(bundles)
         suspects: deque[tuple[Bundle, int]] = deque()
         running: dict[Any, tuple[Bundle, int]] = {}
-        completed = as_completed()
 
         def submit(bundle: Bundle, attempt: int) -> None:
             name = f"{bundle[0].stage}-{bundle[0].key}-{attempt}"
-            future = self._client.submit(self._task, root, tuple(bundle), key=name, pure=False)
+            future = self.client.submit(self.task, root, tuple(bundle), key=name, pure=False)
             running[future] = (bundle, attempt)
-            completed.add(future)
 
         def fill() -> None:
             while waiting and len(running) < 2 * self.workers + 2:
@@ -101,19 +107,24 @@ class OnDask:
         fill()
         try:
             while running:
-                future = next(completed)
-                bundle, attempt = running.pop(future)
-                if future.status == "finished":
-                    yield from future.result()
-                elif attempt < MAX_ATTEMPTS:
-                    suspects.append((bundle, attempt + 1))
-                else:
-                    failure = _failure(future, attempt)
-                    yield from (Receipt(item.stage, item.key, failure=failure) for item in bundle)
-                future.release()
+                try:
+                    ended = wait(list(running), timeout=PATIENCE, return_when="FIRST_COMPLETED").done
+                except TimeoutError:
+                    self.revive()
+                    continue
+                for future in ended:
+                    bundle, attempt = running.pop(future)
+                    if future.status == "finished":
+                        yield from future.result()
+                    elif attempt < MAX_ATTEMPTS:
+                        suspects.append((bundle, attempt + 1))
+                    else:
+                        failure = _failure(future, attempt)
+                        yield from (Receipt(item.stage, item.key, failure=failure) for item in bundle)
+                    future.release()
                 fill()
         finally:
-            self._client.cancel(list(running))
+            self.client.cancel(list(running))
 
 
 def _failure(future: Any, attempts: int) -> Failure:
@@ -124,13 +135,14 @@ def _failure(future: Any, attempts: int) -> Failure:
 
 
 @contextlib.contextmanager
-def _local(config: ClusterConfig) -> Iterator[Any]:
+def _local(config: ClusterConfig) -> Iterator[Executor]:
     from distributed import Client, LocalCluster
 
     _quiet()
+    workers = config.workers or os.cpu_count() or 1
     with _deaf_to_interrupts():
         cluster = LocalCluster(
-            n_workers=config.workers or os.cpu_count() or 1,
+            n_workers=workers,
             threads_per_worker=1,
             processes=True,
             dashboard_address=":8787" if config.dashboard else ":0",  # None would try 8787 all the same
@@ -139,7 +151,8 @@ def _local(config: ClusterConfig) -> Iterator[Any]:
             silence_logs=logging.CRITICAL,
         )
     with cluster, Client(cluster) as client:
-        yield client
+        # A worker that dies while it starts takes its nanny with it; scaling to the same size starts another.
+        yield OnDask(client, revive=lambda: cluster.scale(workers))
 
 
 @contextlib.contextmanager
@@ -156,7 +169,7 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _external(config: ClusterConfig) -> Iterator[Any]:
+def _external(config: ClusterConfig) -> Iterator[Executor]:
     from distributed import Client
 
     _quiet()
@@ -175,11 +188,17 @@ def _external(config: ClusterConfig) -> Iterator[Any]:
                 f"cluster.address={config.address}: the scheduler has no worker after {config.wait} s; start some with "
                 f"`dask worker {config.address}`, or wait longer with cluster.wait=SECONDS"
             ) from error
-        yield client
+        yield OnDask(client)
 
 
 def _quiet() -> None:
     import dask
 
     # A worker that dies takes one task with it, and we try that again ourselves and count.
-    dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.comm.timeouts.connect": "30s"})
+    dask.config.set(
+        {
+            "distributed.scheduler.allowed-failures": 1,
+            "distributed.comm.timeouts.connect": "30s",
+            "distributed.deploy.lost-worker-timeout": "5s",
+        }
+    )

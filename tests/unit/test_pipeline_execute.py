@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ import pytest
 
 from pipeline import perform as perform_module
 from pipeline.artifact import Artifact
-from pipeline.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask
+from pipeline.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask, open_cluster
+from pipeline.config import ClusterConfig
 from pipeline.events import Event, ItemDone, StageEnded, StageStarted
 from pipeline.execute import MAX_TRIES, Run, bundles
 from pipeline.keys import KeyParts
@@ -126,8 +128,6 @@ def test_a_worker_refuses_to_write_what_other_code_computes(tmp_path: Path) -> N
 
 
 def test_lost_workers_are_replaced_and_a_deadly_item_is_given_up(tmp_path: Path) -> None:
-    from distributed import Client, LocalCluster
-
     def task(root: str, bundle: Bundle) -> list[Receipt]:
         if bundle[0].spec == "deadly":
             os._exit(1)
@@ -138,9 +138,10 @@ def test_lost_workers_are_replaced_and_a_deadly_item_is_given_up(tmp_path: Path)
         return [Receipt(one.stage, one.key) for one in bundle]
 
     work = [[item(name)] for name in ("a", "unlucky", "deadly", "b", "c")]
-    settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "memory_limit": 0}
-    with LocalCluster(silence_logs=50, **settings) as cluster, Client(cluster) as client:
-        receipts = {receipt.key: receipt for receipt in OnDask(client, task).run(str(tmp_path), work)}
+    with open_cluster(ClusterConfig("local", workers=2)) as opened:
+        assert isinstance(opened, OnDask)
+        executor = replace(opened, task=task)
+        receipts = {receipt.key: receipt for receipt in executor.run(str(tmp_path), work)}
     assert len(receipts) == len(work)
     failed = {key: receipt.failure for key, receipt in receipts.items() if receipt.failure is not None}
     assert list(failed) == [item("deadly").key]
