@@ -109,7 +109,7 @@ class ConstructParameters:
     candidates: int = 16
     """Trunk pairs tried for a pair of shapes, best CRS first."""
     attempts: int = 5
-    """Of these the most promising are constructed, the one of least deformation is taken."""
+    """Of these the most promising are constructed until so many succeed; the one of least deformation is taken."""
     spacing: float = 400.0
     """Mesh of the partition: points ``L_c / spacing`` apart."""
     tolerance: float = 0.02

@@ -73,8 +73,8 @@ def construct_scored(
 def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) -> Transform:
     """The certified transform with the highest IoU of the worse shape among those on several trunk pairs.
 
-    Plans are taken in order of the IoU to expect of them, the best ``attempts``; one whose bound the best IoU has
-    passed is left out. Among equals the first of ``pairs`` wins.
+    Plans are taken in order of the IoU to expect of them, until ``attempts`` of them have become transforms; one whose
+    bound the best IoU has passed is left out. Among equals the first of ``pairs`` wins.
     """
     plans: list[Plan] = []
     unplanned: list[ConstructionError] = []
@@ -87,7 +87,10 @@ def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) 
     best: Transform | None = None
     best_iou = -1.0
     failures: list[ConstructionError] = []
-    for plan in plans[: parameters.attempts]:
+    certified = 0
+    for plan in plans:
+        if certified == parameters.attempts:
+            break
         if plan.bound <= best_iou:
             continue
         try:
@@ -96,6 +99,7 @@ def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) 
         except ConstructionError as error:
             failures.append(error)
             continue
+        certified += 1
         iou = min(overlap_ratio(made.outline_p(), made.p.points), overlap_ratio(made.outline_q(), made.q.points))
         if iou > best_iou:
             best, best_iou = made, iou
