@@ -23,7 +23,7 @@ MAX_ATTEMPTS = 3
 """A task is tried so often when workers are lost under it."""
 
 PATIENCE = 10
-"""Seconds without a result after which missing workers are looked for."""
+"""Seconds without a result after which missing workers are looked for, and that receipts may take to arrive."""
 
 
 class Executor(Protocol):
@@ -114,8 +114,9 @@ class OnDask:
                     continue
                 for future in ended:
                     bundle, attempt = running.pop(future)
-                    if future.status == "finished":
-                        yield from future.result()
+                    receipts = _receipts(future)
+                    if receipts is not None:
+                        yield from receipts
                     elif attempt < MAX_ATTEMPTS:
                         suspects.append((bundle, attempt + 1))
                     else:
@@ -125,6 +126,18 @@ class OnDask:
                 fill()
         finally:
             self.client.cancel(list(running))
+
+
+def _receipts(future: Any) -> list[Receipt] | None:
+    """What an ended task brought back; None when its worker was lost under it, or after it with the receipts."""
+    if future.status != "finished":
+        return None
+    try:
+        # With a limit: a result lost with its worker is computed again, and without any worker never comes.
+        receipts: list[Receipt] = future.result(timeout=PATIENCE)
+    except Exception:  # tasks raise nothing themselves: this is the cluster, of whatever type it says it with
+        return None
+    return receipts
 
 
 def _failure(future: Any, attempts: int) -> Failure:

@@ -12,7 +12,7 @@ import pytest
 
 from pipeline import perform as perform_module
 from pipeline.artifact import Artifact
-from pipeline.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask, open_cluster
+from pipeline.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask, _receipts, open_cluster
 from pipeline.config import ClusterConfig
 from pipeline.events import Event, ItemDone, StageEnded, StageStarted
 from pipeline.execute import MAX_TRIES, Run, bundles
@@ -147,6 +147,25 @@ def test_lost_workers_are_replaced_and_a_deadly_item_is_given_up(tmp_path: Path)
     assert list(failed) == [item("deadly").key]
     (failure,) = failed.values()
     assert failure is not None and failure.type == "KilledWorker" and failure.attempts == MAX_ATTEMPTS
+
+
+def test_receipts_lost_with_their_worker_are_asked_for_again() -> None:
+    class Lost:
+        status = "finished"  # until somebody wants the result, which was on the lost worker alone
+
+        def result(self, timeout: float) -> list[Receipt]:
+            assert timeout > 0  # without one it waits for a worker that may never come
+            raise OSError("the worker is gone")
+
+    class Kept:
+        status = "finished"
+
+        def result(self, timeout: float) -> list[Receipt]:
+            assert timeout > 0  # without one it waits for a worker that may never come
+            return [Receipt("crs", "key")]
+
+    assert _receipts(Lost()) is None
+    assert _receipts(Kept()) == [Receipt("crs", "key")]
 
 
 def test_receipts_tell_time_and_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
