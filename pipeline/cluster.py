@@ -212,6 +212,5 @@ def _quiet() -> None:
         {
             "distributed.scheduler.allowed-failures": 1,
             "distributed.comm.timeouts.connect": "30s",
-            "distributed.deploy.lost-worker-timeout": "5s",
         }
     )
