@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
 from riot.errors import SilhouetteError
-from riot.kernels.pixels import GreyArray
 from riot.shape import FloatArray
 
 FORMATS = ("PNG", "GIF", "BMP", "TIFF", "JPEG")
@@ -30,15 +28,15 @@ class Picture:
 
     Parameters
     ----------
-    grey : (rows, columns) uint8 or float64
-        0 (dark) … 255 (light), or the opacity where ``opaque_object``; C-contiguous, writable.
+    grey : (rows, columns) float64
+        0 (dark) … 255 (light), or the opacity where ``opaque_object``.
     opaque_object : bool
         The picture has transparent and opaque parts: the object is the opaque part, whatever its colours.
     factor : int
         Each value is the mean of ``factor × factor`` pixels of the file.
     """
 
-    grey: GreyArray
+    grey: FloatArray
     opaque_object: bool
     factor: int
 
@@ -93,7 +91,7 @@ def _damaged(where: Path, error: Exception) -> SilhouetteError:
 def _grey(image: Image.Image) -> Picture:
     factor = max(1, -(-max(image.size) // WORKING_SIDE))
     if image.mode in ("I", "F", "I;16", "I;16L", "I;16B"):
-        values = np.array(image, dtype=np.float64)
+        values = np.asarray(image, dtype=np.float64)
         values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
         low, high = float(values.min()), float(values.max())
         if high > low:
@@ -104,22 +102,11 @@ def _grey(image: Image.Image) -> Picture:
         opacity = image.convert("RGBA").getchannel("A")
         if np.ptp(np.asarray(opacity)) > 0:
             return Picture(_reduced(opacity, factor), True, factor)
-    if factor == 1 and image.mode == "P" and "transparency" not in image.info:
-        levels = bytearray(image.tobytes().translate(_palette_grey(image)))
-        return Picture(np.frombuffer(levels, dtype=np.uint8).reshape(image.height, image.width), False, 1)
-    grey = image if image.mode == "L" else image.convert("RGB").convert("L")
-    return Picture(_reduced(grey, factor), False, factor)
+    return Picture(_reduced(image.convert("RGB").convert("L"), factor), False, factor)
 
 
-def _palette_grey(image: Image.Image) -> bytes:
-    """256 grey values, of the entries of a picture's palette."""
-    entries = Image.frombytes("P", (256, 1), bytes(range(256)))
-    entries.putpalette(image.getpalette("RGB") or [])
-    return entries.convert("RGB").convert("L").tobytes()
-
-
-def _reduced(image: Image.Image, factor: int) -> npt.NDArray[np.uint8]:
-    return np.array(image.reduce(factor) if factor > 1 else image, dtype=np.uint8)
+def _reduced(image: Image.Image, factor: int) -> FloatArray:
+    return np.asarray(image.reduce(factor) if factor > 1 else image, dtype=np.float64)
 
 
 def _block_mean(values: FloatArray, factor: int) -> FloatArray:

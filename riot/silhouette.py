@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import shapely
+from scipy import ndimage
+from skimage.filters import threshold_otsu
+from skimage.measure import find_contours
 
 from riot import polyline
 from riot.errors import SilhouetteError
-from riot.kernels.contours import blurred, contours
-from riot.kernels.pixels import GreyArray, histogram, object_runs, object_share
 from riot.parameters import L_C, ShapeParameters
 from riot.picture import Picture, decode
-from riot.shape import BoolArray, FloatArray, IntArray, Shape
+from riot.shape import BoolArray, FloatArray, Shape
 
 _FINE_SIDE = 512.0
 """Objects with a greater √area, in pixels, are averaged down: the contour stays finer than the sampling."""
@@ -98,7 +97,7 @@ def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters 
         raise SilhouetteError("empty", f"{where}: a mask is a 2-D array with pixels, not {values.shape}")
     if values.dtype.kind not in "biuf" or not np.isfinite(values).all():
         raise SilhouetteError("unreadable", f"{where}: a mask holds finite numbers or booleans")
-    values = np.array(values, dtype=np.float64, order="C")
+    values = values.astype(np.float64)
     if np.abs(values).max() > _SCALES[1] or 0.0 < values.max() - values.min() < _SCALES[0]:
         raise SilhouetteError(
             "unreadable", f"{where}: the grey values are beyond {_SCALES[0]} … {_SCALES[1]}; scale them"
@@ -130,53 +129,46 @@ def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParame
     return _outline_shape(array, name, where, parameters or ShapeParameters(), y_down=False)
 
 
-@dataclass(frozen=True)
-class _Light:
-    """How much of a pixel is object: ``(grey − low)·inverse`` cut to [0, 1], or one less that if ``flip``."""
-
-    low: float
-    inverse: float
-    flip: bool
-
-
 def _picture_shape(picture: Picture, name: str, where: str, parameters: ShapeParameters) -> Shape:
-    light, runs = _object(picture, where, parameters)
-    contour = _contour(picture.grey, light, runs, parameters.smoothing, where)
+    field, component = _object(picture, where, parameters)
+    contour = _contour(field, component, parameters.smoothing, where)
     # A value stands at the centre of its factor × factor pixels.
     contour = contour * picture.factor + (picture.factor - 1) / 2.0
     return _outline_shape(contour, name, where, parameters, y_down=True)
 
 
-def _object(picture: Picture, where: str, parameters: ShapeParameters) -> tuple[_Light, IntArray]:
-    """What is light, and the runs of the filled largest component; see `riot.kernels.pixels.object_runs`."""
+def _object(picture: Picture, where: str, parameters: ShapeParameters) -> tuple[FloatArray, BoolArray]:
+    """How much of each pixel is object, in [0, 1], and which pixels are the filled largest component."""
     grey = picture.grey
-    least, most = float(grey.min()), float(grey.max())
-    if least == most:
+    if grey.min() == grey.max():
         raise SilhouetteError(
             "one-colour", f"{where}: all pixels are alike; the picture must show an object on a background"
         )
     if min(grey.shape) < 3:
         raise SilhouetteError("all-border", f"{where}: every pixel is on the border; add a margin to the picture")
-    low, high = _two_levels(grey, least, most)
-    inverse = 1.0 / (high - low)
-    border = np.concatenate([grey[0], grey[-1], grey[1:-1, 0], grey[1:-1, -1]])
-    bright = int(np.count_nonzero((border - low) * inverse > 0.5))
-    light = _Light(low, inverse, flip=not picture.opaque_object and 2 * bright > len(border))
-    runs = object_runs(grey, light.low, light.inverse, light.flip)
-    count = int((runs[:, 2] - runs[:, 1]).sum()) * picture.factor**2
+    low, high = _two_levels(grey)
+    ramp = np.clip((grey - low) * (1.0 / (high - low)), 0.0, 1.0)
+    light = ramp > 0.5
+    border = np.concatenate([light[0], light[-1], light[1:-1, 0], light[1:-1, -1]])
+    if not picture.opaque_object and 2 * int(border.sum()) > len(border):
+        light, ramp = ~light, 1.0 - ramp
+    component = _largest(_filled(light))
+    count = int(component.sum()) * picture.factor**2
     if count < parameters.min_pixels:
         raise SilhouetteError(
             "too-small",
             f"{where}: the object has {count} pixels, fewer than {parameters.min_pixels}; "
             "use a larger picture or lower min_pixels",
         )
-    return light, runs
+    return ramp, component
 
 
-def _two_levels(grey: GreyArray, least: float, most: float) -> tuple[float, float]:
+def _two_levels(grey: FloatArray) -> tuple[float, float]:
     """Mean grey of the dark and of the light pixels, parted by Otsu's threshold on 256 levels."""
-    counts = histogram(grey, least, 255.0 / (most - least))
-    split = _otsu(counts) + 1
+    least, most = float(grey.min()), float(grey.max())
+    levels = ((grey - least) * (255.0 / (most - least))).astype(np.uint8)
+    counts = np.bincount(levels.ravel(), minlength=256)
+    split = int(threshold_otsu(hist=counts)) + 1
     dark, light = counts[:split], counts[split:]
     step = (most - least) / 255.0
     low = float(np.dot(dark, np.arange(split)) / dark.sum())
@@ -184,42 +176,49 @@ def _two_levels(grey: GreyArray, least: float, most: float) -> tuple[float, floa
     return least + step * low, least + step * high
 
 
-def _otsu(counts: IntArray) -> int:
-    """The last dark level: the first that parts the histogram with the greatest variance between the parts.
-
-    In the precision of `skimage.filters.threshold_otsu`, so that near ties fall as there.
-    """
-    taken = np.flatnonzero(counts)
-    levels = np.arange(taken[0], taken[-1] + 1)
-    counted = counts[taken[0] : taken[-1] + 1].astype(np.float32)
-    weighted = counted * levels
-    below, above = np.cumsum(counted), np.cumsum(counted[::-1])[::-1]
-    mean_below, mean_above = np.cumsum(weighted) / below, np.cumsum(weighted[::-1])[::-1] / above
-    between = below[:-1] * above[1:] * (mean_below[:-1] - mean_above[1:]) ** 2
-    return int(levels[np.argmax(between)])
+def _filled(light: BoolArray) -> BoolArray:
+    """Fill what the outside cannot reach, not even over corners: contours never touch themselves."""
+    outside, _ = ndimage.label(np.pad(~light, 1, constant_values=True), structure=np.ones((3, 3)))
+    return np.asarray(outside[1:-1, 1:-1] != outside[0, 0], dtype=np.bool_)
 
 
-def _contour(grey: GreyArray, light: _Light, runs: IntArray, smoothing: float, where: str) -> FloatArray:
-    """The object's outline at sub-pixel accuracy, (m, 2) as (column, row)."""
-    top, left = int(runs[0, 0]), int(runs[:, 1].min())
-    size = int(runs[-1, 0]) + 1 - top, int(runs[:, 2].max()) - left
-    step = max(1, int(math.sqrt((runs[:, 2] - runs[:, 1]).sum()) / _FINE_SIDE))
+def _largest(light: BoolArray) -> BoolArray:
+    """The component, connected over edges, with the most pixels; of equals the first in reading order."""
+    labels, count = ndimage.label(light)
+    if count == 1:
+        return light
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return np.asarray(labels == int(sizes.argmax()), dtype=np.bool_)
+
+
+def _contour(ramp: FloatArray, component: BoolArray, smoothing: float, where: str) -> FloatArray:
+    """The component's outline at sub-pixel accuracy, (m, 2) as (column, row)."""
+    rows, columns = np.flatnonzero(component.any(axis=1)), np.flatnonzero(component.any(axis=0))
+    top, left = int(rows[0]), int(columns[0])
+    box = (slice(top, int(rows[-1]) + 1), slice(left, int(columns[-1]) + 1))
+    inside = component[box]
+    step = max(1, int(math.sqrt(inside.sum()) / _FINE_SIDE))
     margin = step * (2 + math.ceil(4.0 * smoothing))
-    field = np.zeros([n + -n % step + 2 * margin for n in size])
-    object_share(grey, light.low, light.inverse, light.flip, runs, top - margin, left - margin, field)
+    extra = [-n % step for n in inside.shape]
+    inside = np.pad(inside, ((margin, margin + extra[0]), (margin, margin + extra[1])))
+    near = np.pad(ramp[box], ((margin, margin + extra[0]), (margin, margin + extra[1])))
+    # Grey values count beside the outline only, and may not move it to another component.
+    field = np.where(inside, np.maximum(near, 0.5), np.minimum(near, 0.5))
+    all_sides, any_side = _with_neighbours(inside)
+    field[all_sides] = 1.0
+    field[~any_side] = 0.0
     if step > 1:
         field = field.reshape(field.shape[0] // step, step, field.shape[1] // step, step).mean(axis=(1, 3))
     area = float(field.sum())
     for sigma in (smoothing, smoothing / 2.0, 0.0):
-        smooth = blurred(field, _gaussian(sigma)) if sigma > 0.0 else field
-        # The background connects over corners, the object does not, as in the labelling above.
-        points, offsets = contours(smooth, 0.5)
-        if len(offsets) == 1:
+        smooth = ndimage.gaussian_filter(field, sigma, mode="constant") if sigma > 0.0 else field
+        # "low": the background connects over corners, the object does not, as in the labelling above.
+        contours = find_contours(smooth, 0.5, fully_connected="low")
+        if not contours:
             continue
-        each = [points[start : stop - 1] for start, stop in pairwise(offsets)]
-        areas = [abs(polyline.signed_area(contour)) for contour in each]
-        contour, enclosed = each[areas.index(max(areas))], max(areas)
-        if sigma == 0.0 or abs(enclosed - area) <= _FAITHFUL * area:
+        contour = max(contours, key=lambda points: abs(polyline.signed_area(points[:-1])))[:-1]
+        if sigma == 0.0 or abs(abs(polyline.signed_area(contour)) - area) <= _FAITHFUL * area:
             break
     else:
         raise SilhouetteError("degenerate", f"{where}: the object is too thin for an outline; use a larger picture")
@@ -227,13 +226,21 @@ def _contour(grey: GreyArray, light: _Light, runs: IntArray, smoothing: float, w
     return np.asarray(pixels + np.array([left, top]), dtype=np.float64)
 
 
-def _gaussian(sigma: float) -> FloatArray:
-    """(2r + 1,) weights, of sum 1, of a Gaussian cut off at four standard deviations, ``sigma`` in pixels."""
-    reach = int(4.0 * sigma + 0.5)
-    if reach == 0:
-        return np.ones(1)
-    weights = np.exp(-0.5 / (sigma * sigma) * np.arange(-reach, reach + 1) ** 2)
-    return np.asarray(weights / weights.sum(), dtype=np.float64)
+def _with_neighbours(inside: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """Pixels that are inside with all four neighbours; pixels that are, or have a neighbour, inside.
+
+    The array's own border must be outside.
+    """
+    rows = inside[:-1] & inside[1:]
+    columns = inside[:, :-1] & inside[:, 1:]
+    all_sides = np.zeros_like(inside)
+    all_sides[1:-1, 1:-1] = rows[:-1, 1:-1] & rows[1:, 1:-1] & columns[1:-1, :-1] & columns[1:-1, 1:]
+    any_side = inside.copy()
+    any_side[1:] |= inside[:-1]
+    any_side[:-1] |= inside[1:]
+    any_side[:, 1:] |= inside[:, :-1]
+    any_side[:, :-1] |= inside[:, 1:]
+    return all_sides, any_side
 
 
 def _outline_shape(points: FloatArray, name: str, where: str, parameters: ShapeParameters, *, y_down: bool) -> Shape:
