@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import fields
-
-import numpy as np
 
 from pipeline.artifact import AnyArray, Artifact
 from pipeline.closure import code_digests, library_versions
@@ -19,15 +16,10 @@ from pipeline.keys import KeyParts
 from pipeline.store import Store
 from pipeline.work.qcrs import prepare
 from riot.index import TrunkIndex
-from riot.quick import TrunkStack, lay_out_forest
 
 STAGE, TRUNKS = "index", "trunks"
 READERS = 4
 """Threads that read and check the arrays."""
-
-OF_TRUNKS = tuple(field.name for field in fields(TrunkStack))
-OF_CELLS = ("trunks", "leaves", "groups")
-"""What cells are laid out by; the rest of them is sooner computed than read and checked."""
 
 
 def load_index(store: Store, trunks: Sequence[str], note: Callable[[str], None]) -> TrunkIndex:
@@ -50,30 +42,22 @@ def load_index(store: Store, trunks: Sequence[str], note: Callable[[str], None])
 
 
 def _save(store: Store, parts: Mapping[str, KeyParts], index: TrunkIndex) -> None:
-    stack, cells = index.trunks.to_arrays(), index.cells._asdict()
-    arrays: dict[str, AnyArray] = {"owners": index.owners, "crowns": index.crowns}
-    arrays |= {f"trunks.{name}": stack[name] for name in OF_TRUNKS}
-    arrays |= {f"cells.{name}": cells[name] for name in OF_CELLS}
-    for name, array in arrays.items():
+    for name, array in index.to_arrays().items():
         store.put(parts[name], Artifact({name: array}))
 
 
 def _read(store: Store, parts: Mapping[str, KeyParts]) -> TrunkIndex | None:
     def read(name: str) -> AnyArray:
-        # A copy: compiled kernels would compile a second time for read-only arrays.
-        return np.array(store.get(STAGE, parts[name].key()).arrays[name])
+        return store.get(STAGE, parts[name].key()).arrays[name]
 
     try:
         with ThreadPoolExecutor(READERS) as threads:
-            arrays = dict(zip(parts, threads.map(read, parts), strict=True))
+            return TrunkIndex.from_arrays(dict(zip(parts, threads.map(read, parts), strict=True)))
     except (KeyError, PayloadError, OSError):
         return None
-    stack = TrunkStack.from_arrays({name: arrays[f"trunks.{name}"] for name in OF_TRUNKS})
-    cells = lay_out_forest(stack, *(arrays[f"cells.{name}"] for name in OF_CELLS))
-    return TrunkIndex(stack, cells, arrays["owners"], arrays["crowns"])
 
 
 def _parts(trunks: Sequence[str]) -> dict[str, KeyParts]:
-    names = [f"trunks.{name}" for name in OF_TRUNKS] + [f"cells.{name}" for name in OF_CELLS] + ["owners", "crowns"]
     code, versions = code_digests(__name__), library_versions(__name__)
+    names = TrunkIndex.array_names()
     return {name: KeyParts(STAGE, {"array": name}, tuple(trunks), code, versions) for name in names}

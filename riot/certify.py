@@ -7,9 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from riot.kernels.outlines import boundary_distances
 from riot.parameters import L_C
-from riot.polyline import edge_lengths
 from riot.pose import Pose, direction
 from riot.shape import FloatArray
 from riot.transform import Transform
@@ -152,5 +150,10 @@ def overlap_ratio(outline: FloatArray, reference: FloatArray) -> float:
 
 def _distances(outline: FloatArray, reference: FloatArray) -> FloatArray:
     """From points of one boundary, its vertices among them, to another's."""
-    count = max(16, int(np.ceil(edge_lengths(outline).sum() / SAMPLE_STEP)))
-    return boundary_distances(np.ascontiguousarray(outline), count, np.ascontiguousarray(reference))
+    ring = shapely.LinearRing(outline)
+    count = max(16, int(np.ceil(ring.length / SAMPLE_STEP)))
+    samples = shapely.line_interpolate_point(ring, np.arange(count) / count, normalized=True)
+    target = shapely.LinearRing(reference)
+    shapely.prepare(target)
+    found: FloatArray = shapely.distance(np.concatenate([samples, shapely.points(outline)]), target)
+    return found

@@ -7,20 +7,25 @@ early, because the nearest cells come first. The results are those of scoring ev
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from riot.forest import Forest
-from riot.kernels.leaves import features, gather
 from riot.kernels.search import partners
-from riot.parameters import D_C, QcrsParameters
+from riot.leaves import gather_leaves
+from riot.parameters import QcrsParameters
 from riot.quick import BlockScores, TrunkStack, distance_of, lay_out_forest, scale_of
 
 CELL = 128
 """Leaves of a cell; any number gives the same result."""
+
+LAID_OUT_BY = ("trunks", "leaves", "groups")
+"""What of the cells is kept; laying out the rest takes less time than reading and checking it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,16 +38,10 @@ class TrunkIndex:
         All shapes' trunks.
     cells : Forest
         The same, gathered into cells regardless of their shapes.
-    owners : (t,) int32
-        Each trunk's shape.
-    crowns : (cells, 2 features) float32
-        Box of each cell, as `riot.kernels.leaves` lays boxes out.
     """
 
     trunks: TrunkStack
     cells: Forest
-    owners: npt.NDArray[np.int32]
-    crowns: npt.NDArray[np.float32]
 
     def __len__(self) -> int:
         return len(self.trunks)
@@ -51,22 +50,44 @@ class TrunkIndex:
     def build(cls, stacks: Sequence[TrunkStack]) -> TrunkIndex:
         """Index the shapes of some stacks, numbered in their order."""
         everything = join(stacks)
-        sizes = np.diff(everything.offsets)
-        order = np.argsort(sizes, kind="stable")
-        values = features(everything.offsets, everything.edges, everything.alphas, everything.betas, everything.areas)
-        usual = QcrsParameters()
-        sigmas = (usual.sigma_e * D_C, usual.sigma_angle, usual.sigma_area)
-        leaves = order[gather(values[order], sizes[order], *sigmas)].astype(np.int32)
-        n = sizes[leaves[:, 0]]
+        leaves = gather_leaves(everything)
+        n = np.diff(everything.offsets)[leaves[:, 0]]
         runs = np.flatnonzero(np.diff(n, prepend=0))
         first = np.concatenate([np.arange(low, high, CELL) for low, high in _spans(runs, len(n))] + [[len(n)]])
-        cells = lay_out_forest(everything, leaves, first, np.arange(len(first)))
-        crowns = np.empty((len(first) - 1, 2 * values.shape[1]), dtype=np.float32)
-        if len(crowns):
-            crowns[:, 0::2] = np.minimum.reduceat(cells.features.min(axis=2), first[:-1])
-            crowns[:, 1::2] = np.maximum.reduceat(cells.features.max(axis=2), first[:-1])
-        owners = np.repeat(np.arange(len(everything)), np.diff(everything.starts)).astype(np.int32)
-        return cls(everything, cells, owners, crowns)
+        return cls(everything, lay_out_forest(everything, leaves, first, np.arange(len(first))))
+
+    @cached_property
+    def owners(self) -> npt.NDArray[np.int32]:
+        """(t,) each trunk's shape."""
+        return np.repeat(np.arange(len(self)), np.diff(self.trunks.starts)).astype(np.int32)
+
+    @cached_property
+    def crowns(self) -> npt.NDArray[np.float32]:
+        """(cells, 2 features) box of each cell, as `riot.kernels.leaves` lays boxes out."""
+        features, first = self.cells.features, self.cells.leaves[:-1]
+        crowns = np.empty((len(first), 2 * features.shape[1]), dtype=np.float32)
+        if len(first):
+            crowns[:, 0::2] = np.minimum.reduceat(features.min(axis=2), first)
+            crowns[:, 1::2] = np.maximum.reduceat(features.max(axis=2), first)
+        return crowns
+
+    @classmethod
+    def array_names(cls) -> tuple[str, ...]:
+        """What `to_arrays` names its arrays."""
+        return (*(f"trunks.{field.name}" for field in fields(TrunkStack)), *(f"cells.{name}" for name in LAID_OUT_BY))
+
+    def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """Plain arrays by name, to be kept: those that the rest is quickly made of again."""
+        parts = {"trunks": self.trunks.to_arrays(), "cells": self.cells._asdict()}
+        return {name: parts[part][array] for name in self.array_names() for part, array in [name.split(".")]}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> TrunkIndex:
+        """Undo `to_arrays`."""
+        # Copies: compiled kernels would compile a second time for read-only arrays.
+        copies = {name: np.array(arrays[name]) for name in cls.array_names()}
+        trunks = TrunkStack.from_arrays({field.name: copies[f"trunks.{field.name}"] for field in fields(TrunkStack)})
+        return cls(trunks, lay_out_forest(trunks, *(copies[f"cells.{name}"] for name in LAID_OUT_BY)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from riot.construct.mesh import Mesh
 from riot.construct.partition import NUDGE
 from riot.construct.tree import COINCIDENT, CORNER_SHARE
-from riot.kernels.distances import signed_distances
+from riot.kernels.options import kernel
 from riot.polyline import simplify_open
 from riot.shape import BoolArray, FloatArray, IntArray
 
@@ -22,6 +22,38 @@ corner of the trunk (one)."""
 
 Links = dict[Node, list[tuple[Node, tuple[int, int]]]]
 """(neighbour, the two cells beside the link) of every node."""
+
+
+@kernel
+def signed_distances(x: FloatArray, arcs: FloatArray, offsets: IntArray) -> FloatArray:
+    """(k, n) distance of points (k, 2) to arc i, negative inside the region between the arc and its chord.
+
+    ``arcs`` (s, 2) are the concatenated polylines, ``offsets`` (n + 1,) where each starts. The chord belongs to the
+    region's parity, but not to what the distance is taken to: a region does not end at its trunk edge.
+    """
+    n = len(offsets) - 1
+    found = np.empty((len(x), n))
+    for k in range(len(x)):
+        px, py = x[k, 0], x[k, 1]
+        for i in range(n):
+            nearest = np.inf
+            inside = False
+            first, last = offsets[i], offsets[i + 1] - 1
+            ax, ay = arcs[last, 0] - px, arcs[last, 1] - py
+            for s in range(first, last + 1):
+                bx, by = arcs[s, 0] - px, arcs[s, 1] - py
+                ex, ey = bx - ax, by - ay
+                if (ay > 0.0) != (by > 0.0) and ax - ay / ey * ex > 0.0:
+                    inside = not inside
+                if s > first:
+                    square = ex * ex + ey * ey
+                    u = 0.0 if square == 0.0 else -(ax * ex + ay * ey) / square
+                    u = min(1.0, max(0.0, u))
+                    dx, dy = ax + u * ex, ay + u * ey
+                    nearest = min(nearest, dx * dx + dy * dy)
+                ax, ay = bx, by
+            found[k, i] = -np.sqrt(nearest) if inside else np.sqrt(nearest)
+    return found
 
 
 def plain_mesh(polygon: FloatArray, rings: int) -> FloatArray:

@@ -10,12 +10,10 @@ import numpy as np
 
 from riot.certify import overlap_ratio
 from riot.construct.conjugate import is_convex, make_conjugate
-from riot.construct.mesh import mesh_convex
-from riot.construct.partition import label_cells
-from riot.construct.tree import cell_paths, dissection_tree
+from riot.construct.dissect import dissect
 from riot.errors import ConstructionError
 from riot.kernels.coverage import swung_arcs, uncovered
-from riot.parameters import L_C, ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.polyline import edge_lengths, signed_area, trunk_angles
 from riot.pose import Placement, rotate
 from riot.shape import FloatArray, IntArray, Shape
@@ -120,8 +118,8 @@ def plan_pair(pair: TrunkPair, parameters: ConstructParameters) -> Plan:
 def construct_plan(plan: Plan, parameters: ConstructParameters) -> Transform:
     """Partition both trunks and cut the pieces; ConstructionError with the reason if a partition fails."""
     # A dissection is made in a counter-clockwise trunk, region k on the edge from corner k to corner k + 1.
-    lower = _dissect(plan.trunk_q[::-1], _reverse_arcs(plan.arcs_p, plan.offsets_p), parameters, "Q's trunk")
-    upper = _dissect(plan.trunk_p, _reverse_arcs(plan.arcs_q, plan.offsets_q), parameters, "P's trunk")
+    lower = dissect(plan.trunk_q[::-1], _reverse_arcs(plan.arcs_p, plan.offsets_p), parameters, "Q's trunk")
+    upper = dissect(plan.trunk_p, _reverse_arcs(plan.arcs_q, plan.offsets_q), parameters, "P's trunk")
     n = len(plan.trunk_p)
     lengths = 0.5 * (edge_lengths(plan.trunk_p) + edge_lengths(plan.trunk_q))
     pieces = []
@@ -178,21 +176,6 @@ def _reverse_arcs(arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntA
     counter-clockwise."""
     total = offsets[-1]
     return np.ascontiguousarray(arcs[::-1]), (total - offsets[::-1]).astype(np.int64)
-
-
-def _dissect(
-    trunk: FloatArray, arcs: tuple[FloatArray, IntArray], parameters: ConstructParameters, where: str
-) -> list[FloatArray]:
-    """Paths of the dissection tree, one per edge of a counter-clockwise trunk, from its corner k to corner k + 1.
-
-    ``arcs`` run around the trunk counter-clockwise; arc 0 may belong to any edge, its first point tells which.
-    """
-    spacing = L_C / parameters.spacing
-    try:
-        cells = label_cells(mesh_convex(trunk, spacing), *arcs, parameters)
-        return cell_paths(cells, dissection_tree(cells, parameters.tolerance * spacing))
-    except ConstructionError as error:
-        raise ConstructionError(error.reason, f"in {where}: {error}") from None
 
 
 def _in_piece_frame(path: FloatArray, start: FloatArray, stop: FloatArray, length: float) -> FloatArray:

@@ -313,11 +313,12 @@ def _nearest(
                                 continue
                             mask ^= BITS[m]
                             p, q = begin_a + k * 6 * n, begin_b + m * 6 * n
-                            met[owners[trunks_b[y, m]]] = 1
-                            if sweep == 1 and not _near(n, facing_a, p, facing_b, q, edge, angle, near):
-                                continue
                             t, u = trunks_a[x, k], trunks_b[y, m]
                             o = owners[u]
+                            met[o] = 1
+                            own = np.float32(min(reach, bests[o]) + slack)
+                            if sweep == 1 and not _near(n, facing_a, p, facing_b, q, edge, angle, own):
+                                continue
                             far, s = _exact(
                                 n, offsets_a[t], offsets_b[u], ea, aa, ba, eb, ab, bb,
                                 1.0 / (n * sigma_edge), 1.0 / (2.0 * n * sigma_angle),

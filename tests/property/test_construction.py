@@ -10,7 +10,7 @@ import shapely
 from blobs import blob, pair_shapes
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plain_dissection import plain_distances
+from plain_dissection import plain_distances, signed_distances
 
 from riot import ConstructionError, TrunkError, construct
 from riot.certify import overlap_ratio
@@ -21,7 +21,6 @@ from riot.construct.partition import label_cells
 from riot.construct.tree import cell_paths, dissection_tree
 from riot.cross import best_trunk_pairs
 from riot.groundtruth import dudeney, exact_pair
-from riot.kernels.distances import signed_distances
 from riot.parameters import ConstructParameters
 from riot.polyline import edge_lengths
 from riot.shape import FloatArray, Shape

@@ -10,14 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from blobs import blob
 from PIL import Image, ImageDraw
 
 from riot import FormatError, Transform
-from riot.certify import SAMPLE_STEP, boundary_distance, overlap_ratio
+from riot.certify import boundary_distance, overlap_ratio
 from riot.cli import main
 from riot.groundtruth import exact_pair, exact_transform
-from riot.kernels.outlines import boundary_distances
 from riot.riotfile import from_json, to_json
 from riot.transform import Piece
 
@@ -95,24 +93,6 @@ def test_comparison_of_shifted_squares() -> None:
     assert overlap_ratio(moved, square) == pytest.approx(0.8 / 1.2)
     assert far * 2.0 * math.sqrt(math.pi) == pytest.approx(0.2)
     assert 0.0 < mean < far
-
-
-@pytest.mark.parametrize(("one", "other"), [(1, 2), (3, 4), (5, 1)])
-def test_boundary_distance_is_that_of_the_polygon_library(one: int, other: int) -> None:
-    a, b = blob(one).points, blob(other).points
-    ring, target = shapely.LinearRing(a), shapely.LinearRing(b)
-    count = int(np.ceil(ring.length / SAMPLE_STEP))
-    samples = shapely.line_interpolate_point(ring, np.arange(count) / count, normalized=True)
-    expected = shapely.distance(np.concatenate([samples, shapely.points(a)]), target)
-    assert np.abs(boundary_distances(a, count, b) - expected).max() < 1e-14
-
-
-def test_repeated_vertices_have_no_edge_between_them() -> None:
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    repeated = square[[0, 0, 1, 2, 2, 3, 3, 0]]
-    found = boundary_distances(repeated, 16, square + 2.0)
-    assert np.array_equal(found[:16], boundary_distances(square, 16, square + 2.0)[:16])
-    assert np.array_equal(boundary_distances(square, 16, repeated), boundary_distances(square, 16, square))
 
 
 def test_file_reads_back_to_the_last_bit(made: Transform, tmp_path: Path) -> None:
