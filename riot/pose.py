@@ -79,10 +79,13 @@ def direction(heading: float) -> FloatArray:
     return np.array([math.cos(heading), math.sin(heading)])
 
 
-def lay(chain: Chain, t: float, open_hinge: int = 0) -> Pose:
-    """Lay the chain from the piece after the open hinge, that piece's edge on the x-axis from the origin."""
+def lay(chain: Chain, t: float, open_hinge: int = 0, turns: FloatArray | None = None) -> Pose:
+    """Lay the chain from the piece after the open hinge, that piece's edge on the x-axis from the origin.
+
+    Its hinges are turned by ``turns`` (n,), radians; without them by those of an even swing at time t.
+    """
     n = len(chain.lengths)
-    turns = chain.turns(t)
+    turns = chain.turns(t) if turns is None else turns
     headings, origins = np.zeros(n), np.zeros((n, 2))
     for k in range(1, n):
         before, after = (open_hinge + k - 1) % n, (open_hinge + k) % n
@@ -91,11 +94,18 @@ def lay(chain: Chain, t: float, open_hinge: int = 0) -> Pose:
     return Pose(t, headings, origins)
 
 
-def swing(chain: Chain, place_p: Placement, place_q: Placement, t: float, open_hinge: int = 0) -> Pose:
-    """The chain at time t, every hinge turning evenly; piece 0 lies as ``place_p`` at 0 and as ``place_q`` at 1.
+def swing(
+    chain: Chain,
+    place_p: Placement,
+    place_q: Placement,
+    t: float,
+    open_hinge: int = 0,
+    turns: FloatArray | None = None,
+) -> Pose:
+    """The chain at time t; piece 0 lies as ``place_p`` at 0 and as ``place_q`` at 1.
 
-    Between the ends the chain as a whole turns evenly, by the least total turn of its mean heading, and the mean of its
-    edges' middles moves on a straight line.
+    Every hinge turns evenly, or is turned by ``turns`` (n,), radians. Between the ends the chain as a whole turns
+    evenly, by the least total turn of its mean heading, and the mean of its edges' middles moves on a straight line.
     """
     closed_p, closed_q = lay(chain, 0.0, open_hinge), lay(chain, 1.0, open_hinge)
     turn_p = place_p.heading - float(closed_p.headings[0])
@@ -105,8 +115,9 @@ def swing(chain: Chain, place_p: Placement, place_q: Placement, t: float, open_h
     middle_p = _middle_when_placed(chain, closed_p, turn_p, place_p)
     middle_q = _middle_when_placed(chain, closed_q, turn_q, place_q)
 
-    raw = lay(chain, t, open_hinge)
-    turned = _turned(raw, (1.0 - t) * turn_p + t * turn_q)
+    raw = lay(chain, t, open_hinge, turns)
+    uneven = (1.0 - t) * closed_p.headings.mean() + t * closed_q.headings.mean() - raw.headings.mean()
+    turned = _turned(raw, (1.0 - t) * turn_p + t * turn_q + float(uneven))
     shift = (1.0 - t) * middle_p + t * middle_q - _middle(chain, turned)
     return Pose(t, turned.headings, turned.origins + shift)
 

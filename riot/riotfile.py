@@ -5,23 +5,29 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from riot.errors import FormatError
+from riot.motion.document import from_document, to_document
 from riot.pose import Placement
 from riot.shape import FloatArray, Shape
 from riot.transform import Piece, Transform
 
 FORMAT = "riot-transform"
-VERSION = 1
+VERSION = 2
+"""Of what is written. Version 2 added the motion, which may be absent."""
+
+READABLE = (1, 2)
+"""Versions that can be read."""
 
 
 def to_json(transform: Transform) -> str:
     """The transform as JSON text; floats in the shortest form that reads back to the same bits."""
-    document = {
+    found: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         "pieces": [
@@ -39,7 +45,9 @@ def to_json(transform: Transform) -> str:
         "bound_p": transform.bound_p,
         "bound_q": transform.bound_q,
     }
-    return json.dumps(document, ensure_ascii=False, separators=(",", ":"))
+    if transform.plan is not None:
+        found["motion"] = to_document(transform.plan)
+    return json.dumps(found, ensure_ascii=False, separators=(",", ":"))
 
 
 def from_json(text: str, where: str = "text") -> Transform:
@@ -50,9 +58,10 @@ def from_json(text: str, where: str = "text") -> Transform:
         raise FormatError(f"{where} is not a .riot file: it is not JSON ({error})") from None
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise FormatError(f'{where} is not a .riot file: it lacks "format": "{FORMAT}"')
-    if document.get("version") != VERSION:
+    if document.get("version") not in READABLE:
         raise FormatError(
-            f"{where} has version {document.get('version')!r}; this program reads version {VERSION}: "
+            f"{where} has version {document.get('version')!r}; this program reads versions "
+            f"{' and '.join(map(str, READABLE))}: "
             "use the program that wrote it, or construct the transform again"
         )
     try:
@@ -125,7 +134,7 @@ def _transform(document: dict[str, Any]) -> Transform:
     angles, conjugate = np.array(_finite(document["angles"])), np.array(_finite(document["conjugate_angles"]))
     if len(pieces) < 3 or angles.shape != (len(pieces),) or conjugate.shape != angles.shape:
         raise ValueError(f"{len(pieces)} pieces, {angles.shape} and {conjugate.shape} angles")
-    return Transform(
+    made = Transform(
         pieces=pieces,
         angles=angles,
         conjugate_angles=conjugate,
@@ -138,3 +147,7 @@ def _transform(document: dict[str, Any]) -> Transform:
         bound_p=float(document["bound_p"]),
         bound_q=float(document["bound_q"]),
     )
+    if document.get("motion") is None:
+        return made
+    plan = from_document(document["motion"], made.chain, made.place_p, made.place_q)
+    return replace(made, plan=plan)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ from riot.shape import FloatArray, Shape
 
 if TYPE_CHECKING:
     from riot.certify import Certificate, Deformation
+    from riot.motion import Motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,11 +63,10 @@ class Transform:
     p, q : Shape
         The inputs.
     trunk_p, trunk_q : (n, 2) float64
-        Trunk vertices on the inputs before they were made conjugate, in corresponding order: ``trunk_p``
-        counter-clockwise, ``trunk_q`` clockwise.
+        Where the inputs' arcs part: the boundary points nearest to the trunks' corners, in corresponding order,
+        ``trunk_p`` counter-clockwise, ``trunk_q`` clockwise.
     bound_p, bound_q : float
-        Upper bounds of the IoU with the inputs that an exact construction on these conjugate trunks can reach: that of
-        the outline whose arcs have followed the trunk (theory §8), plus its Jaccard distance from the input.
+        The highest IoU with the inputs that an exact construction on these conjugate trunks can have (theory §8).
     """
 
     pieces: tuple[Piece, ...]
@@ -80,6 +80,7 @@ class Transform:
     trunk_q: FloatArray
     bound_p: float = math.nan
     bound_q: float = math.nan
+    plan: Motion | None = None
 
     def __len__(self) -> int:
         return len(self.pieces)
@@ -92,8 +93,8 @@ class Transform:
     def pose(self, t: float, open_hinge: int = 0) -> Pose:
         """The chain at time t: 0 is P in P's frame, 1 is Q in Q's; between them every hinge turns evenly.
 
-        The chain is open at ``open_hinge``. Pieces may collide on the way: this is the course of a picture's
-        animation, not a motion plan. Ours.
+        The chain is open at ``open_hinge``. Pieces may collide on the way: see `motion` for a way on which they do not.
+        Ours.
         """
         if open_hinge == 0 and t in (0.0, 1.0):
             return self._closed_q if t else self._closed_p
@@ -106,6 +107,23 @@ class Transform:
     @cached_property
     def _closed_q(self) -> Pose:
         return swing(self.chain, self.place_p, self.place_q, 1.0)
+
+    def motion(self) -> Motion:
+        """How the pieces swing from P to Q without collision: ``plan``, or planned now with default parameters, once.
+
+        See `riot.motion.Motion`; `planned` keeps the result.
+        """
+        return self._motion if self.plan is None else self.plan
+
+    @cached_property
+    def _motion(self) -> Motion:
+        from riot.motion import plan_motion
+
+        return plan_motion(self)
+
+    def planned(self) -> Transform:
+        """The transform with its motion as ``plan``, to be saved with it."""
+        return replace(self, plan=self.motion())
 
     def parts(self, pose: Pose) -> list[FloatArray]:
         """The n pieces' polygons in a pose, counter-clockwise, each point once."""

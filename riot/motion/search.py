@@ -1,0 +1,169 @@
+"""Searches for a way of one stretch of the chain from its turns in P to those in Q (theory §9). Ours.
+
+A path is a (k, m − 1) array of the turns of a stretch of m pieces, hinges turning evenly between two rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from riot.kernels.collide import clear_share
+from riot.motion.bodies import Bodies
+from riot.shape import FloatArray, IntArray
+
+FLOOR = 0.25
+"""Two bodies are in contact when nearer than this share of half the gap."""
+
+CAP = 0.25
+"""Distances beyond this (unit-area frame) need not be exact."""
+
+_LONG = 12
+"""Longer stretches are not tried one hinge at a time: the orders would be too many."""
+
+_NEAR = 0.2
+"""Standard deviation of the random poses around known ones, as shares of the hinges' whole turns."""
+
+_STEP_BACK = 0.8
+_LEAST_STEP = 0.02
+"""Of a stretch that is not all free so much is taken, unless it is shorter than this (shares of whole turns)."""
+
+
+class Stretch:
+    """Neighbouring pieces of the chain, in order, with a count of the poses of pairs that were looked at."""
+
+    def __init__(self, bodies: Bodies, pieces: IntArray, start: FloatArray, goal: FloatArray) -> None:
+        self.start, self.goal = start, goal
+        self.checks = 0
+        self._arrays = bodies.stretch(pieces)
+        self._floor = FLOOR * 0.5 * bodies.gap
+
+    def share(self, before: FloatArray, after: FloatArray, *, whole: bool = False) -> float:
+        """How far the way from one pose to another is proven free; with ``whole`` it may be less than that."""
+        share, checks = clear_share(*self._arrays, before, after, self._floor, CAP, whole)
+        self.checks += checks
+        return float(share)
+
+    def free(self, path: FloatArray) -> bool:
+        """Whether a whole path is."""
+        return all(self.share(a, b, whole=True) >= 1.0 for a, b in pairwise(path))
+
+
+def find(stretch: Stretch, search: str, samples: int, seed: int) -> FloatArray | None:
+    """A free path by one of `riot.motion.motion.SEARCHES`; None if it finds none."""
+    turns = len(stretch.start)
+    straight = np.zeros(turns)
+    if search == "together":
+        path = np.array([stretch.start, stretch.goal])
+        return path if stretch.free(path) else None
+    if search == "through the straight chain":
+        path = np.array([stretch.start, straight, stretch.goal])
+        return path if stretch.free(path) else None
+    if search == "sampled":
+        found = _sampled(stretch, samples, seed)
+    elif turns >= _LONG:
+        return None
+    elif search == "one by one":
+        found = _ordered(stretch, np.array([stretch.start, stretch.goal]))
+    else:
+        found = _ordered(stretch, np.array([stretch.start, straight, stretch.goal]))
+    return None if found is None else shorter(stretch, found)
+
+
+def _ordered(stretch: Stretch, stops: FloatArray) -> FloatArray | None:
+    """A path on which one hinge turns at a time, from stop to stop: any order, the chain's own first."""
+    turns = len(stretch.start)
+    last = len(stops) - 1
+    dead: set[tuple[int, ...]] = set()
+
+    def at(state: tuple[int, ...]) -> FloatArray:
+        return np.array([stops[stop, h] for h, stop in enumerate(state)])
+
+    def onward(state: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        for h in range(turns):
+            if state[h] < last:
+                yield (*state[:h], state[h] + 1, *state[h + 1 :])
+
+    def descend(state: tuple[int, ...]) -> list[FloatArray] | None:
+        if min(state) == last:
+            return [at(state)]
+        for following in onward(state):
+            if following not in dead and stretch.share(at(state), at(following), whole=True) >= 1.0:
+                rest = descend(following)
+                if rest is not None:
+                    return [at(state), *rest]
+        dead.add(state)
+        return None
+
+    found = descend((0,) * turns)
+    return None if found is None else np.array(found)
+
+
+def _sampled(stretch: Stretch, samples: int, seed: int) -> FloatArray | None:
+    """Two trees of poses, from P and from Q, that grow towards random poses and each other (RRT-Connect).
+
+    Poses are drawn between the turns in P and those in Q: beyond them a hinge's two pieces would meet.
+    """
+    whole = stretch.goal - stretch.start
+    rng = np.random.default_rng(seed)
+    trees = (_Tree(stretch.start), _Tree(stretch.goal))
+    for k in range(samples):
+        mine, other = trees[k % 2], trees[1 - k % 2]
+        if rng.random() < 0.5:
+            shares = rng.random(len(whole))
+        else:  # close to a known pose: the way out of a closed chain is narrow
+            known = (mine.poses[int(rng.integers(len(mine.poses)))] - stretch.start) / whole
+            shares = np.clip(known + _NEAR * rng.standard_normal(len(whole)), 0.0, 1.0)
+        grown = mine.grow(stretch, stretch.start + shares * whole, whole)
+        if grown is None:
+            continue
+        target = mine.poses[grown]
+        while (reached := other.grow(stretch, target, whole)) is not None:
+            if np.array_equal(other.poses[reached], target):
+                halves = (mine.branch(grown), other.branch(reached))
+                first, second = halves if k % 2 == 0 else halves[::-1]
+                return np.concatenate([first[::-1], second[1:]])
+    return None
+
+
+class _Tree:
+    """Poses joined by free ways to the first."""
+
+    def __init__(self, root: FloatArray) -> None:
+        self.poses = [root]
+        self.parents = [-1]
+
+    def grow(self, stretch: Stretch, target: FloatArray, whole: FloatArray) -> int | None:
+        """Go from the nearest pose towards a target as far as the way is free; the new pose, None if too near."""
+        shares = (np.array(self.poses) - target) / whole
+        nearest = int(np.argmin((shares * shares).sum(axis=1)))
+        far = float(np.sqrt((shares[nearest] ** 2).sum()))
+        share = stretch.share(self.poses[nearest], target)
+        if share < 1.0:
+            share *= _STEP_BACK
+            if share * far < _LEAST_STEP:
+                return None
+            target = self.poses[nearest] + share * (target - self.poses[nearest])
+        self.poses.append(target)
+        self.parents.append(nearest)
+        return len(self.poses) - 1
+
+    def branch(self, node: int) -> FloatArray:
+        """(k, m − 1) poses from a node back to the root."""
+        found = []
+        while node >= 0:
+            found.append(self.poses[node])
+            node = self.parents[node]
+        return np.array(found)
+
+
+def shorter(stretch: Stretch, path: FloatArray) -> FloatArray:
+    """The path without the stops that can be left out, farthest first."""
+    kept = [path[0]]
+    k = 0
+    while k < len(path) - 1:
+        k = next(j for j in range(len(path) - 1, k, -1) if j == k + 1 or stretch.free(path[[k, j]]))
+        kept.append(path[k])
+    return np.array(kept)
