@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import errno
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,9 +14,11 @@ from rich.table import Table
 
 from riot.construct import construct
 from riot.cross import crs
-from riot.draw import animate_svg
+from riot.draw import animate_svg, draw_strip, write_film
+from riot.draw.film import film_writer
 from riot.errors import RiotError
 from riot.kernels.warm import warm_all
+from riot.motion import Motion
 from riot.quick import qcrs
 from riot.shape import Shape
 from riot.silhouette import read
@@ -45,23 +47,22 @@ def main(arguments: Sequence[str] | None = None, more: Sequence[Callable[[Comman
     return code
 
 
-def make(path_a: Path, path_b: Path, folder: Path) -> None:
-    """Construct the transform of two silhouettes and write it to ``folder``: .riot, pictures, animation."""
+def make(path_a: Path, path_b: Path, folder: Path, films: Sequence[str] = ()) -> None:
+    """Construct the transform of two silhouettes and write it to ``folder``: .riot, pictures, animation.
+
+    ``films`` are suffixes (.gif, .mp4) of films to write as well.
+    """
+    if ".mp4" in films:
+        film_writer()  # before the long work: it raises if there is none
     a, b = (_named(path, other) for path, other in ((path_a, path_b), (path_b, path_a)))
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, "a file, where results need a folder", str(folder))
     folder.mkdir(parents=True, exist_ok=True)
     warm_all(lambda text: print(text, file=sys.stderr))
     print(f"QCRS {qcrs(a, b).score:.3f}, CRS {crs(a, b).score:.3f}")
-    transform = construct(a, b)
+    transform = construct(a, b).planned()
     show(transform)
-    stem = folder / f"{path_a.stem}--{path_b.stem}"
-    written = [stem.with_name(f"{stem.name}{suffix}") for suffix in (".riot", ".svg", ".png", ".swing.svg")]
-    transform.save(written[0])
-    transform.draw(written[1])
-    transform.draw(written[2])
-    written[3].write_text(animate_svg(transform), encoding="utf-8")
-    for path in written:
+    for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films):
         print(path)
 
 
@@ -81,6 +82,34 @@ def show(transform: Transform) -> None:
         table.add_row(words, *(f"{getattr(side, field):.1e}" for side in (certificate.p, certificate.q)))
     Console().print(table)
     print("certificate: passed" if certificate.passed else f"certificate: failed ({certificate.failure})")
+    motion = transform.motion()
+    print(f"motion: {motion.words} ({motion.search}, open at hinge {_hinges(motion)})")
+
+
+def _hinges(motion: Motion) -> str:
+    said = str(motion.open_hinge)
+    return said if motion.flat else f"{said}, lifting at {', '.join(map(str, motion.lifted))}"
+
+
+def _written(transform: Transform, stem: Path, films: Sequence[str]) -> Iterator[Path]:
+    """Write the files of a transform, ``stem`` and a suffix each; yields each path when it is written."""
+
+    def save(path: Path) -> None:
+        path.write_text(animate_svg(transform), encoding="utf-8")
+
+    kinds: list[tuple[str, Callable[[Path], None]]] = [
+        (".riot", transform.save),
+        (".svg", transform.draw),
+        (".png", transform.draw),
+        (".strip.svg", lambda path: draw_strip(transform, path)),
+        (".strip.png", lambda path: draw_strip(transform, path)),
+        (".swing.svg", save),
+        *((film, lambda path: write_film(transform, path)) for film in films),
+    ]
+    for suffix, write in kinds:
+        path = stem.with_name(f"{stem.name}{suffix}")
+        write(path)
+        yield path
 
 
 def _named(path: Path, other: Path) -> Shape:
@@ -90,7 +119,7 @@ def _named(path: Path, other: Path) -> Shape:
 
 
 def _make(chosen: argparse.Namespace) -> int:
-    make(chosen.a, chosen.b, chosen.output)
+    make(chosen.a, chosen.b, chosen.output, [f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind)])
     return 0
 
 
@@ -106,6 +135,8 @@ def _parser(more: Sequence[Callable[[Commands], None]]) -> argparse.ArgumentPars
     make_parser.add_argument("a", type=Path, metavar="A", help="a picture (PNG, GIF, BMP, TIFF, JPEG) or an SVG file")
     make_parser.add_argument("b", type=Path, metavar="B", help="another one")
     make_parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="where results go")
+    make_parser.add_argument("--gif", action="store_true", help="film the motion as an animated GIF too")
+    make_parser.add_argument("--mp4", action="store_true", help="film it as an MP4 too (needs the extra 'film')")
     make_parser.set_defaults(run=_make)
     show_parser = commands.add_parser("show", help="print the numbers of a .riot file")
     show_parser.add_argument("file", type=Path, metavar="FILE.riot")

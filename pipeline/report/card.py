@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pipeline.report.markup import facts, number, small
 from pipeline.report.rows import TransformRow
 from riot.draw.animate import swing_of
-from riot.draw.course import quiet_hinge
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
 from riot.draw.scene import Box, Mark, Part, Scene, around, extent
 from riot.draw.svg import definitions, escape, fragment, naming
@@ -56,20 +55,21 @@ def card(row: TransformRow, transform: Transform) -> Card:
         for side, name in sides
         for (_, words), found in zip(VIEWS, marks[side], strict=True)
     )
-    hinge = quiet_hinge(transform)
-    chain = tuple(chain_marks(drawn, hinge))
+    motion = transform.motion()
+    chain = tuple(chain_marks(drawn, motion.open_hinge))
     box = around([extent(chain, drawn.pieces)], MARGIN)
     straight = Scene(
         f"The chain of {len(drawn)} pieces laid straight: {row.name_p} below, {row.name_q} above",
         box, _pen(box, CHAIN_PENS), (), chain,
     )  # fmt: skip
-    swing = swing_of(transform, prefix, hinge)
+    swing = swing_of(transform, prefix)
     body = (
         f'<article class="card" id="t{row.rank}" aria-labelledby="h{row.rank}">'
         f'<header><span class="rank">{row.rank}</span><h3 id="h{row.rank}">{_names(row)}</h3>'
         f'<p class="worth">IoU <b>{number(row.iou)}</b></p></header>'
         f'<div class="pictures"><div class="panels">{figures}</div><div class="moves">'
-        f"<figure>{fragment(swing.scene, prefix, swing.body, 'swing')}<figcaption>the swing</figcaption></figure>"
+        f"<figure>{fragment(swing.scene, prefix, swing.body, 'swing')}"
+        f"<figcaption>the chain {escape(motion.words)}</figcaption></figure>"
         f"{_figure(straight, prefix, 'the chain, straight', 'chain')}</div></div>"
         f"{_numbers(row)}</article>\n"
     )

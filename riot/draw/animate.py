@@ -1,28 +1,17 @@
-"""The swing as an animated SVG: SMIL only, so that it moves wherever SVG is shown, without script. Ours."""
+"""The motion as an animated SVG: SMIL only, so that it moves wherever SVG is shown, without script. Ours."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
-from riot.draw.course import quiet_hinge
-from riot.draw.panels import pose_marks, sketch
+from riot.draw.course import REST, calm, eased, hinge_dot, loop_seconds, motion_marks, stacking
+from riot.draw.panels import sketch
 from riot.draw.scene import Dot, Scene, around, extent
 from riot.draw.svg import dot, naming, painted, place, whole
+from riot.motion import Motion
 from riot.pose import Pose
-from riot.shape import FloatArray
 from riot.transform import Transform
-
-SECONDS = 8.0
-"""One loop: a pause as P, the swing, a pause as Q, the swing back."""
-
-FRAMES = 40
-"""Key frames of one swing. A piece turns by at most a few degrees between two, so that straight steps look rigid."""
-
-REST = 14
-"""Key frames of one pause."""
 
 STILL = 0.35
 """The pose for those who asked for less motion."""
@@ -44,54 +33,51 @@ class Swing:
 
 
 def animate_svg(transform: Transform) -> str:
-    """The swing from P to Q and back, as a whole animated SVG file of deterministic text.
+    """The motion from P to Q and back, as a whole animated SVG file of deterministic text.
 
-    Every piece has key frames of translation and rotation, eased at both ends; hinges are dots, the ends of the open
-    hinge rings. Pieces may overlap on the way: the hinge that makes them overlap least is the open one.
+    It is `Transform.motion`, planned now if it was not: no two pieces of a plane meet. Every piece has key frames of
+    translation and rotation, eased at both ends; hinges are dots, larger where they lift, the ends of the open hinge
+    rings.
     """
     prefix = naming(sketch(transform).pieces)
-    swing = swing_of(transform, prefix, quiet_hinge(transform))
+    swing = swing_of(transform, prefix)
     return whole(swing.scene, swing.body, prefix, style=MOTION_STYLE)
 
 
-def swing_of(transform: Transform, prefix: str, hinge: int) -> Swing:
-    """The animation, open at ``hinge``, for pieces defined under ``prefix`` (see `riot.draw.svg.definitions`)."""
-    drawn = sketch(transform)
-    there = [drawn.pose(t, hinge) for t in eased(FRAMES)]
+def swing_of(transform: Transform, prefix: str) -> Swing:
+    """The animation, for pieces defined under ``prefix`` (see `riot.draw.svg.definitions`)."""
+    drawn, motion = sketch(transform), transform.motion()
+    frames = calm(motion)
+    times = [float(t) for t in eased(frames)]
+    there = [motion.pose_at(t) for t in times]
     poses = there[:1] * (REST // 2) + there + there[-1:] * REST + there[-2:0:-1] + there[:1] * (REST // 2)
+    seconds = loop_seconds(frames)
     # The path between two key frames leaves the frames' own box by the height of an arc of a few degrees.
-    box = around((extent(pose_marks(drawn, pose, hinge), drawn.pieces) for pose in there), margin=0.05)
+    box = around((extent(motion_marks(drawn, motion, t), drawn.pieces) for t in times), margin=0.05)
     pen = (box[2] - box[0]) / _PENS_ACROSS
     names = transform.p.name or "P", transform.q.name or "Q"
-    title = f"{len(drawn)} hinged pieces swing from {names[0]} to {names[1]} and back"
-    still = tuple(pose_marks(drawn, drawn.pose(STILL, hinge), hinge))
-    scene = Scene(title, box, pen, drawn.pieces, still)
-    order = [(hinge + k) % len(drawn) for k in range(len(drawn))]
-    moving = "".join(_piece(drawn, i, poses, prefix, pen, hinge) for i in order)
+    title = f"{len(drawn)} hinged pieces swing from {names[0]} to {names[1]} and back: the chain {motion.words}"
+    scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL)))
+    moving = "".join(_piece(drawn, i, poses, seconds, prefix, pen, motion) for i in stacking(motion))
     body = f'<g class="r-move">{moving}</g><g class="r-still">{painted(scene, prefix)}</g>'
     return Swing(scene, body)
 
 
-def eased(frames: int) -> FloatArray:
-    """(frames + 1,) times from 0 to 1, slow at both ends."""
-    steps = np.linspace(0.0, 1.0, frames + 1)
-    times: FloatArray = 0.5 - 0.5 * np.cos(np.pi * steps)
-    return times
-
-
-def _piece(drawn: Transform, i: int, poses: list[Pose], prefix: str, pen: float, hinge: int) -> str:
+def _piece(drawn: Transform, i: int, poses: list[Pose], seconds: float, prefix: str, pen: float, motion: Motion) -> str:
     moves = ";".join(place(float(pose.origins[i, 0]), float(pose.origins[i, 1])) for pose in poses)
     turns = ";".join(_degrees(float(pose.headings[i])) for pose in poses)
     inner = f'<use href="#{prefix}{i}"/>'
-    if i == (hinge - 1) % len(drawn):
+    if i == (motion.open_hinge - 1) % len(drawn):
         inner += dot(Dot(drawn.pieces[i].length, 0.0, "open"), pen)
-    start = dot(Dot(0.0, 0.0, "open" if i == hinge else "hinge"), pen)
-    return f"<g>{_animation('translate', moves)}<g>{_animation('rotate', turns)}{inner}</g>{start}</g>"
-
-
-def _animation(kind: str, values: str) -> str:
+    start = dot(hinge_dot(motion, i, 0.0, 0.0), pen)
     return (
-        f'<animateTransform attributeName="transform" type="{kind}" dur="{SECONDS:g}s" '
+        f"<g>{_animation('translate', moves, seconds)}<g>{_animation('rotate', turns, seconds)}{inner}</g>{start}</g>"
+    )
+
+
+def _animation(kind: str, values: str, seconds: float) -> str:
+    return (
+        f'<animateTransform attributeName="transform" type="{kind}" dur="{seconds:.4g}s" '
         f'repeatCount="indefinite" values="{values}"/>'
     )
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path as FilePath
 
-from riot.draw.course import quiet_hinge
+from riot.draw.course import motion_marks
 from riot.draw.panels import (
     chain_marks,
     deformation_marks,
     dissection_marks,
     input_marks,
-    pose_marks,
     sketch,
 )
 from riot.draw.scene import Box, Label, Mark, Scene, extent, moved
@@ -41,14 +41,18 @@ def draw_transform(transform: Transform, path: str | os.PathLike[str]) -> None:
     The same transform gives the same bytes. Raises `PictureFormatError` (a ValueError) for another suffix, and OSError
     if the file cannot be written. Ours.
     """
-    target = FilePath(path)
+    write_scene(FilePath(path), lambda: figure_scene(transform))
+
+
+def write_scene(target: FilePath, make: Callable[[], Scene]) -> None:
+    """Write the scene that ``make`` returns, in the format of the suffix; errors as `draw_transform`."""
     kind = target.suffix.lower().lstrip(".")
     if kind not in FORMATS:
         raise PictureFormatError(
             f"cannot draw {target.name!r}: the suffix {target.suffix!r} is no picture format known here; "
             f"use one of {', '.join('.' + name for name in FORMATS)}"
         )
-    scene = figure_scene(transform)
+    scene = make()
     if kind == "svg":
         from riot.draw.svg import document
 
@@ -62,7 +66,7 @@ def draw_transform(transform: Transform, path: str | os.PathLike[str]) -> None:
 def figure_scene(transform: Transform) -> Scene:
     """The figure of `draw_transform` before it has a format."""
     drawn = sketch(transform)
-    hinge = quiet_hinge(transform)
+    motion = transform.motion()
     names = _short(transform.p.name or "P"), _short(transform.q.name or "Q")
     cells = [_row(drawn, side) for side in ("p", "q")]
     boxes = [extent(marks, drawn.pieces) for row in cells for marks in row]
@@ -85,13 +89,13 @@ def figure_scene(transform: Transform) -> Scene:
             marks += _centred(cell, drawn, x, top - tall / 2)
             marks.append(Label(x, top - tall - 0.9 * line, caption, "note"))
         top -= tall + 2 * line
-    chain = chain_marks(drawn, hinge)
+    chain = chain_marks(drawn, motion.open_hinge)
     top = _fitted(marks, [chain], drawn, top, width - 2 * gap, gap)
     marks.append(Label(width / 2, top - 0.9 * line, f"the chain: {names[0]} below, {names[1]} above", "note"))
     top -= 2 * line
-    poses = [pose_marks(drawn, drawn.pose(t, hinge), hinge) for t in STRIP_TIMES]
+    poses = [motion_marks(drawn, motion, t) for t in STRIP_TIMES]
     top = _fitted(marks, poses, drawn, top, width - 2 * gap, gap)
-    marks.append(Label(width / 2, top - 0.9 * line, "the swing, open at one hinge", "note"))
+    marks.append(Label(width / 2, top - 0.9 * line, f"the chain, open at one hinge, {motion.words}", "note"))
     title = f"Reversible transform of {names[0]} into {names[1]}, {len(drawn)} hinged pieces"
     return Scene(title, (0.0, top - 2 * line, width, 0.0), pen, drawn.pieces, tuple(marks))
 

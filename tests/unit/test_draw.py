@@ -7,12 +7,10 @@ from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
-import shapely
 from PIL import Image
 
 from riot.draw import animate_svg, draw_transform
-from riot.draw.animate import FRAMES, eased
-from riot.draw.course import TIMES, quiet_hinge
+from riot.draw.course import FRAMES, eased
 from riot.draw.figure import STRIP_TIMES, figure_scene
 from riot.draw.palette import DARK, LIGHT, PENS, PIECES, colour, hue
 from riot.draw.panels import DETAIL, chain_marks, pose_marks, sketch
@@ -94,18 +92,6 @@ def test_moving_marks_moves_what_they_show(transform):
     before, after = marks[1], moved(marks, 2.0, -1.0, 0.5)[1]
     points = transform.pieces[1].polygon
     assert np.allclose(placed(after, points), 0.5 * placed(before, points) + [2.0, -1.0])
-
-
-def test_the_open_hinge_is_the_one_with_the_least_overlap():
-    for n, seed in ((4, 2), (5, 3), (6, 4)):
-        made = exact_transform(exact_pair(n, seed))
-        exact = [sum(overlap(made, float(t), hinge) for t in TIMES) for hinge in range(n)]
-        assert exact[quiet_hinge(made)] <= min(exact) + 0.01
-
-
-def overlap(transform, t, hinge):
-    parts = [shapely.Polygon(part) for part in transform.parts(transform.pose(t, hinge))]
-    return sum(part.area for part in parts) - shapely.union_all(parts).area
 
 
 def test_a_figure_shows_every_piece_in_every_state(transform):

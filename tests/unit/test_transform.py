@@ -160,6 +160,9 @@ def draw(path: Path, points: list[tuple[float, float]]) -> Path:
     return path
 
 
+MADE = (".riot", ".svg", ".png", ".strip.svg", ".strip.png", ".swing.svg")
+
+
 def test_make_writes_transform_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     house = draw(tmp_path / "house.png", [(40, 210), (40, 110), (120, 30), (200, 110), (200, 210)])
     kite = draw(tmp_path / "kite.png", [(120, 20), (210, 110), (120, 225), (40, 110)])
@@ -167,9 +170,14 @@ def test_make_writes_transform_and_pictures(tmp_path: Path, capsys: pytest.Captu
     printed = capsys.readouterr().out
     assert "certificate: passed" in printed
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert names == sorted(f"house--kite{suffix}" for suffix in (".riot", ".svg", ".png", ".swing.svg"))
-    assert Transform.load(tmp_path / "out" / "house--kite.riot").certificate().passed
+    assert names == sorted(f"house--kite{suffix}" for suffix in MADE)
+    made = Transform.load(tmp_path / "out" / "house--kite.riot")
+    assert made.certificate().passed
+    assert made.plan is not None
+    words = f"motion: {made.plan.words}"
+    assert words in printed
     assert main(["show", str(tmp_path / "out" / "house--kite.riot")]) == 0
+    assert words in capsys.readouterr().out
 
 
 def test_commands_tell_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

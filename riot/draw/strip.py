@@ -1,0 +1,53 @@
+"""A still strip of the motion, P on the left and Q on the right, as in the paper's figures. Ours."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from riot.draw.course import motion_marks
+from riot.draw.figure import write_scene
+from riot.draw.panels import sketch
+from riot.draw.scene import Label, Mark, Scene, extent, moved
+from riot.transform import Transform
+
+POSES = 7
+"""Poses in a strip."""
+
+_PENS_ACROSS = 1280.0
+_NAME_LENGTH = 28
+
+
+def draw_strip(transform: Transform, path: str | os.PathLike[str]) -> None:
+    """Write the strip; the suffix (svg, png, pdf) chooses the format.
+
+    The same transform gives the same bytes. Raises `riot.draw.figure.PictureFormatError` (a ValueError) for another
+    suffix, and OSError if the file cannot be written.
+    """
+    write_scene(Path(path), lambda: strip_scene(transform))
+
+
+def strip_scene(transform: Transform, poses: int = POSES) -> Scene:
+    """``poses`` ≥ 2 poses at even times of `Transform.motion`, all at one scale, and what the motion needs in words."""
+    drawn, motion = sketch(transform), transform.motion()
+    groups = [motion_marks(drawn, motion, float(t)) for t in np.linspace(0.0, 1.0, poses)]
+    boxes = [extent(group, drawn.pieces) for group in groups]
+    tall = max(y1 - y0 for _, y0, _, y1 in boxes)
+    gap = 0.09 * tall
+    width = sum(x1 - x0 for x0, _, x1, _ in boxes) + (poses + 1) * gap
+    pen = width / _PENS_ACROSS
+    marks: list[Mark] = []
+    x, middles = gap, []
+    for group, (x0, y0, x1, y1) in zip(groups, boxes, strict=True):
+        marks += moved(group, x - x0, -gap - tall / 2 - (y0 + y1) / 2)
+        middles.append(x + (x1 - x0) / 2)
+        x += x1 - x0 + gap
+    names = [name[:_NAME_LENGTH] for name in (transform.p.name or "P", transform.q.name or "Q")]
+    base = -2.0 * gap - tall - 8 * pen
+    marks.append(Label(middles[0], base, names[0]))
+    marks.append(Label(middles[-1], base, names[1]))
+    marks.append(Label(width / 2, base, f"{len(drawn)} pieces; the chain {motion.words}", "note"))
+    title = f"{names[0]} swings into {names[1]}: {poses} poses of {len(drawn)} hinged pieces"
+    return Scene(title, (0.0, base - 14 * pen, width, 0.0), pen, drawn.pieces, tuple(marks))

@@ -1,0 +1,153 @@
+"""Strips, animations and films show the plan."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from riot import RiotError, Transform
+from riot.cli import main
+from riot.draw import animate_svg, draw_strip, write_film
+from riot.draw.course import SECONDS, STEP, calm, eased, loop_seconds, motion_marks, stacking
+from riot.draw.film import MODULE, FilmError
+from riot.draw.panels import sketch
+from riot.draw.scene import Dot, Part, extent
+from riot.draw.strip import POSES, strip_scene
+from riot.groundtruth import dudeney, exact_pair, exact_transform
+from riot.motion import Motion, plan_motion
+from riot.motion.motion import LIFT
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def made() -> Transform:
+    return exact_transform(exact_pair(4, 2)).planned()
+
+
+def lifting(made: Transform) -> Motion:
+    """The made transform's motion as if hinge 2 had to lift."""
+    flat = plan_motion(made)
+    high = [(2 - flat.open_hinge) % 4 <= (i - flat.open_hinge) % 4 for i in range(4)]
+    levels = np.array([[0] * 4, high, high, [0] * 4], dtype=np.int64)
+    turns = flat.turns[[0, 0, -1, -1]]
+    return replace(flat, lifted=(2,), times=np.array([0.0, LIFT, 1.0 - LIFT, 1.0]), turns=turns, levels=levels)
+
+
+def test_marks_are_the_poses_of_the_plan(made: Transform) -> None:
+    motion, drawn = made.motion(), sketch(made)
+    for t in (0.0, 0.3, 1.0):
+        pose = motion.pose_at(t)
+        parts = [mark for mark in motion_marks(drawn, motion, t) if isinstance(mark, Part)]
+        assert sorted(part.piece for part in parts) == list(range(4))
+        for part in parts:
+            assert (part.x, part.y) == tuple(pose.origins[part.piece])
+            assert part.heading == pose.headings[part.piece]
+
+
+def test_higher_planes_are_painted_over_lower_ones(made: Transform) -> None:
+    motion = lifting(made)
+    top = motion.levels.max(axis=0)
+    assert [top[i] for i in stacking(motion)] == sorted(top)
+    dots = [mark for mark in motion_marks(made, motion, 0.5) if isinstance(mark, Dot)]
+    assert [dot.pen for dot in dots].count("open") == 2
+    assert len({dot.radius for dot in dots}) == 2
+
+
+def test_frames_are_so_many_that_no_piece_turns_far_between_two(made: Transform) -> None:
+    for motion in (made.motion(), exact_transform(dudeney()).motion()):
+        frames = calm(motion, 10)
+        turned = np.diff([motion.pose_at(float(t)).headings for t in eased(frames)], axis=0)
+        assert frames >= 10
+        assert np.abs(turned).max() < 1.1 * STEP
+
+
+def test_animation_turns_the_pieces_as_the_plan_does(made: Transform) -> None:
+    root = ET.fromstring(animate_svg(made))
+    motion = made.motion()
+    frames = calm(motion)
+    moving = root.find(f"{SVG}g[@class='r-move']")
+    assert moving is not None
+    for row, i in zip(moving, stacking(motion), strict=True):
+        _, rotation = row.iter(f"{SVG}animateTransform")
+        assert float(rotation.get("dur", "")[:-1]) >= 0.99 * SECONDS
+        shown = {float(value) for value in rotation.get("values", "").split(";")}
+        for t in eased(frames):
+            angle = -np.degrees(motion.pose_at(float(t)).headings[i])
+            assert min(abs(value - angle) for value in shown) < 0.06
+    assert motion.words in (root.findtext(f"{SVG}title") or "")
+
+
+def test_a_strip_shows_every_piece_in_every_pose(made: Transform, tmp_path: Path) -> None:
+    for suffix in ("svg", "png", "pdf"):
+        for name in "ab":
+            draw_strip(made, tmp_path / f"{name}.{suffix}")
+        assert (tmp_path / f"a.{suffix}").read_bytes() == (tmp_path / f"b.{suffix}").read_bytes()
+    root = ET.fromstring((tmp_path / "a.svg").read_text(encoding="utf-8"))
+    assert len(list(root.iter(f"{SVG}use"))) == 4 * POSES
+    assert any("swings flat" in (text.text or "") for text in root.iter(f"{SVG}text"))
+
+
+def test_the_poses_of_a_strip_do_not_overlap(made: Transform) -> None:
+    scene = strip_scene(made)
+    parts = [mark for mark in scene.marks if isinstance(mark, Part)]
+    boxes = [extent(parts[4 * k : 4 * k + 4], scene.pieces) for k in range(POSES)]
+    assert all(before[2] < after[0] for before, after in pairwise(boxes))
+    assert all(scene.box[1] < y0 < y1 < scene.box[3] for _, y0, _, y1 in boxes)
+    assert scene.box[0] < boxes[0][0] and boxes[-1][2] < scene.box[2]
+
+
+def test_a_gif_goes_there_and_back(made: Transform, tmp_path: Path) -> None:
+    for name in ("a.gif", "b.GIF"):
+        write_film(made, tmp_path / name, width=120)
+    assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.GIF").read_bytes()
+    with Image.open(tmp_path / "a.gif") as film:
+        frames = []
+        for k in range(film.n_frames):  # type: ignore[attr-defined]
+            film.seek(k)
+            frames.append(np.asarray(film.convert("RGB"), dtype=np.int64))
+        assert film.width == 120
+        assert film.info["loop"] == 0
+    turning = calm(made.motion())
+    assert len(frames) == 2 * turning
+    differs = [np.abs(frames[0] - frame).mean() for frame in frames]
+    assert max(differs) > 10.0
+    assert np.abs(frames[3] - frames[-3]).mean() < 1.0  # the way back
+    assert (frames[0] == 255).all(axis=2).mean() > 0.2  # paper
+
+
+def test_an_mp4_needs_its_writer(made: Transform, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> None:
+        raise ModuleNotFoundError(name)
+
+    monkeypatch.setattr(importlib, "import_module", missing)
+    with pytest.raises(FilmError, match=re.escape("riot-shapes[film]")) as caught:
+        write_film(made, tmp_path / "a.mp4")
+    assert isinstance(caught.value, RiotError)
+    # The command says so before it starts on the long work: it has not even looked for the pictures.
+    assert main(["make", "a.png", "b.png", "-o", str(tmp_path / "out"), "--mp4"]) == 2
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_mp4_is_a_film(made: Transform, tmp_path: Path) -> None:
+    writer = pytest.importorskip(MODULE)
+    write_film(made, tmp_path / "a.mp4", width=121)
+    frames, seconds = writer.count_frames_and_secs(str(tmp_path / "a.mp4"))
+    assert frames > 200
+    assert seconds == pytest.approx(loop_seconds(calm(made.motion())), rel=0.01)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
+
+
+@pytest.mark.parametrize("name", ["a.avi", "a", "a.png"])
+def test_an_unknown_film_is_refused(made: Transform, tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match=r"\.gif or \.mp4"):
+        write_film(made, tmp_path / name)
+    assert not list(tmp_path.iterdir())
