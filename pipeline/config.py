@@ -112,6 +112,10 @@ _MAY_BE_ZERO = frozenset(
         "construct.max_cut_off",
         "construct.max_lost_contact",
         "construct.snap",
+        "construct.sketched",
+        "construct.sketch_steps",
+        "construct.refined",
+        "construct.refine_steps",
     }
 )
 _AT_MOST_ONE = frozenset({"trunks.tau_c", "trunks.min_inside", "trunks.max_arc", "trunks.min_area"})

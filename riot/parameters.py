@@ -108,8 +108,22 @@ class ConstructParameters:
 
     candidates: int = 16
     """Trunk pairs tried for a pair of shapes, best CRS first."""
-    attempts: int = 5
-    """Of these the most promising are constructed until so many succeed; the one of least deformation is taken."""
+    sketched: int = 16
+    """Of these the most promising are refined a little; 0 leaves the trunks where CRS has them."""
+    sketch_steps: int = 16
+    """Most steps of that."""
+    refined: int = 3
+    """The best of these are refined to the end."""
+    refine_steps: int = 48
+    """Most steps of that."""
+    attempts: int = 2
+    """The most promising are constructed until so many succeed; the one of least deformation is taken."""
+    refine_lines: int = 128
+    """Scanlines of the IoU bound while trunks are refined."""
+    slide: float = 0.25
+    """Refinement moves no trunk vertex farther than this along either axis, in units of ``D_c``."""
+    reach: float = 0.1
+    """Two arcs part at most this far along the outline from their trunk vertex, in units of ``L_c``."""
     spacing: float = 400.0
     """Mesh of the partition: points ``L_c / spacing`` apart."""
     tolerance: float = 0.02

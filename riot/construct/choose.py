@@ -7,7 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from riot.construct.exact import Plan, TrunkPair, construct_plan, plan_pair
+from riot.construct.exact import construct_plan
+from riot.construct.plan import Plan, TrunkPair, plan_pair
+from riot.construct.refine import refine
 from riot.cross import CrossScore, best_trunk_pairs
 from riot.errors import ConstructionError, TrunkError
 from riot.parameters import D_C, ConstructParameters, CrsParameters, TrunkParameters
@@ -48,7 +50,8 @@ def construct(
     if trunks is not None:
         if len(trunks) != 2:
             raise TrunkError(f"trunks holds {len(trunks)} items: give two, the vertices on a and those on b")
-        return construct_best([given_pair(a, b, *trunks, parameters)], parameters)
+        # Given trunks are kept: made conjugate, not refined.
+        return _construct_first(*plan_pairs([given_pair(a, b, *trunks, parameters)], parameters), parameters)
     full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
     for shape, found in ((a, full_a), (b, full_b)):
         if len(found) == 0:
@@ -65,16 +68,26 @@ def construct_scored(
     """The transform of least deformation among those on the trunk pairs of ``scores``; errors as `construct`."""
     if not scores:
         raise TrunkError(f"{a.name or 'P'} and {b.name or 'Q'} have no trunks with the same number of vertices")
-    pairs = [TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b) for score in scores]
+    pairs = [
+        TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b, (parameters or ConstructParameters()).reach)
+        for score in scores
+    ]
     return construct_best(pairs, parameters or ConstructParameters())
 
 
 def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) -> Transform:
-    """The certified transform with the highest IoU of the worse shape among those on several trunk pairs.
+    """The certified transform with the highest IoU of the worse shape among those on several trunk pairs, refined.
 
-    Plans are taken in order of the IoU to expect of them, until ``attempts`` of them have become transforms; one whose
-    bound the best IoU has passed is left out. Among equals the first of ``pairs`` wins.
+    Among equals the first of ``pairs`` wins.
     """
+    plans, unplanned = plan_pairs(pairs, parameters)
+    return _construct_first(refine_best(plans, parameters), unplanned, parameters)
+
+
+def plan_pairs(
+    pairs: Sequence[TrunkPair], parameters: ConstructParameters
+) -> tuple[list[Plan], list[ConstructionError]]:
+    """Plans, highest bound first, and why the other trunk pairs gave none."""
     plans: list[Plan] = []
     unplanned: list[ConstructionError] = []
     for pair in pairs:
@@ -82,7 +95,22 @@ def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) 
             plans.append(plan_pair(pair, parameters))
         except ConstructionError as error:
             unplanned.append(error)
-    plans.sort(key=lambda plan: -plan.expected)
+    return sorted(plans, key=lambda plan: -plan.bound), unplanned
+
+
+def refine_best(plans: Sequence[Plan], parameters: ConstructParameters) -> list[Plan]:
+    """Plans, highest bound first, with the most promising refined a little, and the best of these to the end."""
+    rest = list(plans)
+    for count, steps in ((parameters.sketched, parameters.sketch_steps), (parameters.refined, parameters.refine_steps)):
+        rest = [refine(plan, steps, parameters) for plan in rest[:count]] + rest[count:]
+        rest.sort(key=lambda plan: -plan.bound)
+    return rest
+
+
+def _construct_first(
+    plans: Sequence[Plan], unplanned: Sequence[ConstructionError], parameters: ConstructParameters
+) -> Transform:
+    """The best transform of the first ``attempts`` plans that give one; one whose bound is passed is left out."""
     best: Transform | None = None
     best_iou = -1.0
     failures: list[ConstructionError] = []
@@ -103,8 +131,9 @@ def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) 
         if iou > best_iou:
             best, best_iou = made, iou
     if best is None:
-        first = (failures + unplanned)[0]
-        tried = "the trunk pair gives no" if len(pairs) == 1 else f"none of {len(pairs)} trunk pairs gives an"
+        first = [*failures, *unplanned][0]
+        count = len(plans) + len(unplanned)
+        tried = "the trunk pair gives no" if count == 1 else f"none of {count} trunk pairs gives an"
         raise ConstructionError(first.reason, f"{tried} exact transform; the most promising: {first}")
     return best
 
@@ -139,7 +168,7 @@ def given_pair(
         )
     if around_a < 0:
         indices_a, indices_b = indices_a[::-1].copy(), indices_b[::-1].copy()
-    return TrunkPair(a, b, outline_a, outline_b, indices_a, indices_b)
+    return TrunkPair(a, b, outline_a, outline_b, indices_a, indices_b, parameters.reach)
 
 
 def insert_vertices(shape: Shape, wanted: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:

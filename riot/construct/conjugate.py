@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from riot.errors import ConstructionError
-from riot.kernels.conjugate import edge_differences, turns
+from riot.kernels.conjugate import conjugated, turns
 from riot.shape import FloatArray
 
 TOLERANCE = 1e-14
@@ -22,21 +22,11 @@ def make_conjugate(trunk_p: FloatArray, trunk_q: FloatArray) -> tuple[FloatArray
     Raises ConstructionError if that fails or leaves a trunk that is not strictly convex. Ours; the paper says only
     that it is done.
     """
-    n = len(trunk_p)
-    start = np.concatenate([trunk_p, trunk_q]).ravel()
-    current = start.copy()
-    for _ in range(MOST_STEPS):
-        residual, jacobian = edge_differences(current.reshape(2, n, 2))
-        if np.abs(residual).max() < TOLERANCE:
-            break
-        wanted = jacobian @ (current - start) - residual
-        current = start + jacobian.T @ np.linalg.solve(jacobian @ jacobian.T, wanted)
-    else:
-        if np.abs(residual).max() > 100.0 * TOLERANCE:
-            raise ConstructionError(
-                "not-conjugate", "the trunks could not be made conjugate: the iteration does not settle"
-            )
-    conjugate_p, conjugate_q = current.reshape(2, n, 2)
+    (conjugate_p, conjugate_q), worst = conjugated(np.stack([trunk_p, trunk_q]), TOLERANCE, MOST_STEPS)
+    if not worst <= 100.0 * TOLERANCE:
+        raise ConstructionError(
+            "not-conjugate", "the trunks could not be made conjugate: the iteration does not settle"
+        )
     for name, trunk in (("P", conjugate_p), ("Q", conjugate_q[::-1])):
         if not is_convex(trunk):
             raise ConstructionError("not-convex", f"made conjugate, the trunk of {name} is no longer convex")

@@ -29,6 +29,125 @@ def edge_differences(trunks: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 @kernel
+def conjugated(trunks: FloatArray, tolerance: float, steps: int) -> tuple[FloatArray, float]:
+    """The pair of n-gons (2, n, 2) with equal corresponding edges nearest to ``trunks``, and the greatest difference
+    of edges that is left.
+
+    Gauss–Newton: every step goes to the point nearest to the start on the linearised constraints.
+    """
+    n = trunks.shape[1]
+    start = trunks.copy().reshape(4 * n)
+    current = start.copy()
+    worst = np.inf
+    for _ in range(steps):
+        residual, jacobian = edge_differences(current.reshape(2, n, 2))
+        worst = np.abs(residual).max()
+        if not worst >= tolerance:
+            break
+        normal = np.zeros((n, n))
+        wanted = -residual
+        for i in range(n):
+            for k in range(4 * n):
+                if jacobian[i, k] == 0.0:
+                    continue
+                wanted[i] += jacobian[i, k] * (current[k] - start[k])
+                for j in range(n):
+                    normal[i, j] += jacobian[i, k] * jacobian[j, k]
+        if not _solve(normal, wanted):
+            return current.reshape(2, n, 2), np.inf
+        for k in range(4 * n):
+            step = 0.0
+            for i in range(n):
+                step += jacobian[i, k] * wanted[i]
+            current[k] = start[k] + step
+    return current.reshape(2, n, 2), worst
+
+
+@kernel
+def tangential(trunks: FloatArray, gradient: FloatArray) -> FloatArray:
+    """The part of a gradient (2, n, 2) along which corresponding edges of conjugate ``trunks`` stay equal."""
+    n = trunks.shape[1]
+    _, jacobian = edge_differences(trunks)
+    along = gradient.copy().reshape(4 * n)
+    normal, wanted = np.zeros((n, n)), np.zeros(n)
+    for i in range(n):
+        for k in range(4 * n):
+            if jacobian[i, k] == 0.0:
+                continue
+            wanted[i] += jacobian[i, k] * along[k]
+            for j in range(n):
+                normal[i, j] += jacobian[i, k] * jacobian[j, k]
+    if _solve(normal, wanted):
+        for i in range(n):
+            for k in range(4 * n):
+                along[k] -= jacobian[i, k] * wanted[i]
+    return along.reshape(2, n, 2)
+
+
+@kernel
+def quasi_newton(moves: FloatArray, changes: FloatArray, count: int, gradient: FloatArray) -> FloatArray:
+    """The direction of ascent by the last ``count`` moves (h, N) and the changes (h, N) of the gradient with them.
+
+    Two-loop recursion of limited-memory BFGS (Nocedal 1980); the rows are filled in turn, the newest is row
+    (count − 1) mod h. Every stored pair has move · change < 0, as near a maximum.
+    """
+    held, size = min(count, len(moves)), len(gradient)
+    found, weights = gradient.copy(), np.empty(max(held, 1))
+    for age in range(held):
+        row = (count - 1 - age) % len(moves)
+        inner, along = 0.0, 0.0
+        for k in range(size):
+            inner -= moves[row, k] * changes[row, k]
+            along += moves[row, k] * found[k]
+        weights[age] = along / inner
+        for k in range(size):
+            found[k] += weights[age] * changes[row, k]
+    if held > 0:
+        row = (count - 1) % len(moves)
+        inner, square = 0.0, 0.0
+        for k in range(size):
+            inner -= moves[row, k] * changes[row, k]
+            square += changes[row, k] * changes[row, k]
+        for k in range(size):
+            found[k] *= inner / square
+    for age in range(held - 1, -1, -1):
+        row = (count - 1 - age) % len(moves)
+        inner, along = 0.0, 0.0
+        for k in range(size):
+            inner -= moves[row, k] * changes[row, k]
+            along -= changes[row, k] * found[k]
+        for k in range(size):
+            found[k] += (weights[age] - along / inner) * moves[row, k]
+    return found
+
+
+@kernel
+def _solve(matrix: FloatArray, right: FloatArray) -> bool:
+    """Put the solution of a positive definite system, (n, n), in place of ``right``, (n,), by Cholesky's factors."""
+    n = len(right)
+    for i in range(n):
+        for j in range(i + 1):
+            left = matrix[i, j]
+            for k in range(j):
+                left -= matrix[i, k] * matrix[j, k]
+            if i == j:
+                if not left > 1e-30:
+                    return False
+                matrix[i, i] = math.sqrt(left)
+            else:
+                matrix[i, j] = left / matrix[j, j]
+    for i in range(n):
+        for k in range(i):
+            right[i] -= matrix[i, k] * right[k]
+        right[i] /= matrix[i, i]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            right[i] -= matrix[k, i] * right[k]
+        right[i] /= matrix[i, i]
+    return True
+
+
+@kernel
 def turns(polygon: FloatArray) -> tuple[float, float]:
     """(least cross product of consecutive edges, sum of the turns between them in radians) of a polygon (n, 2)."""
     n = len(polygon)
@@ -46,5 +165,8 @@ def turns(polygon: FloatArray) -> tuple[float, float]:
 def warm() -> None:
     """Compile on a triangle."""
     triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    edge_differences(np.stack([triangle, triangle]))
+    pair = np.stack((triangle, triangle[::-1]))
+    conjugated(pair, 1e-14, 8)
+    tangential(pair, pair)
+    quasi_newton(np.ones((1, 12)), -np.ones((1, 12)), 1, np.ones(12))
     turns(triangle)
