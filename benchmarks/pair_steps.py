@@ -19,7 +19,7 @@ from table import Row, row
 from riot.construct import construct_scored
 from riot.cross import AREA_SLACK, CrossScore, best_trunk_pairs
 from riot.kernels.coverage import area_terms
-from riot.parameters import ConstructParameters, CrsParameters
+from riot.parameters import CrsParameters, RefineParameters
 from riot.quick import BlockScores, TrunkStack, brute_force, score_block, stack
 from riot.shape import Shape
 from riot.transform import Transform
@@ -28,7 +28,7 @@ from riot.trunks import Trunks
 AGREE = 1e-12
 """Greatest difference between a pruned and a brute-force QCRS."""
 
-WANTED = ConstructParameters().candidates
+WANTED = RefineParameters().candidates
 """Trunk pairs that CRS is asked for, as in the pipeline."""
 
 

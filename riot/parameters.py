@@ -103,8 +103,8 @@ class CrsParameters:
 
 
 @dataclass(frozen=True)
-class ConstructParameters:
-    """Exact construction (theory §7, §8; all ours)."""
+class RefineParameters:
+    """Conjugate trunks and their refinement (theory §7; all ours)."""
 
     candidates: int = 16
     """Trunk pairs tried for a pair of shapes, best CRS first."""
@@ -114,16 +114,24 @@ class ConstructParameters:
     """Most steps of that."""
     refined: int = 3
     """The best of these are refined to the end."""
-    refine_steps: int = 48
+    steps: int = 48
     """Most steps of that."""
-    attempts: int = 2
-    """The most promising are constructed until so many succeed; the one of least deformation is taken."""
-    refine_lines: int = 128
-    """Scanlines of the IoU bound while trunks are refined."""
     slide: float = 0.25
     """Refinement moves no trunk vertex farther than this along either axis, in units of ``D_c``."""
     reach: float = 0.1
     """Two arcs part at most this far along the outline from their trunk vertex, in units of ``L_c``."""
+    lines: int = 128
+    """Scanlines of the IoU bound while trunks are refined."""
+    bound_lines: int = 512
+    """Scanlines of the bound that plans are compared by."""
+
+
+@dataclass(frozen=True)
+class ConstructParameters:
+    """Exact construction (theory §8; all ours)."""
+
+    attempts: int = 2
+    """The most promising plans are constructed until so many succeed; the one of least deformation is taken."""
     spacing: float = 400.0
     """Mesh of the partition: points ``L_c / spacing`` apart."""
     tolerance: float = 0.02
@@ -135,4 +143,4 @@ class ConstructParameters:
     snap: float = 0.1
     """Given trunk vertices may lie this far from the outline, in units of ``D_c``."""
     lines: int = 512
-    """Scanlines of the IoU bound."""
+    """Scanlines of the areas that change hands where detail is restored."""

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from pipeline.artifact import Artifact
-from pipeline.work.crs import unpack_scores
 from pipeline.work.items import ErrorRow, attempt, expect_shape
-from riot.construct import construct_scored
+from pipeline.work.refine import unpack_plans
+from riot.construct.choose import construct_plans
 from riot.errors import ConstructionError, TrunkError
 from riot.riotfile import to_json
 from riot.transform import Transform
@@ -18,19 +18,19 @@ Spec = tuple[tuple[int, str], tuple[int, str]]
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Artifact:
-    """Batches of P and Q and the pair's CRS → a document: status, reason, the ``.riot`` text, and its numbers."""
-    batch_p, batch_q, cross = inputs
-    (settings,) = parameters
+    """Batches of P and Q, the pair's CRS and refined trunks → a document: status, reason, ``.riot`` text, numbers."""
+    batch_p, batch_q, cross, refined = inputs
+    settings, reach = parameters
     (index_p, name_p), (index_q, name_q) = spec
     p, q = expect_shape(batch_p, index_p, name_p), expect_shape(batch_q, index_q, name_q)
-    scores = unpack_scores(cross)
-    if not scores:
+    plans, unplanned = unpack_plans(refined, cross, p, q, reach)
+    if not plans and not unplanned:
         return _rejected("no-trunks", "no pair of full trunks has the same number of vertices")
     errors: list[ErrorRow] = []
 
     def made() -> Artifact:
         try:
-            return _accepted(construct_scored(p, q, scores, settings))
+            return _accepted(construct_plans(plans, unplanned, settings))
         except ConstructionError as error:
             return _rejected(error.reason, str(error))
         except TrunkError as error:

@@ -1,4 +1,4 @@
-"""Selection: which pairs go on, by policy, reading the scores block by block (paper §5.3; ``global`` is ours)."""
+"""Selection: which pairs go on to CRS, by policy, block by block (paper §5.3; ``global`` and breadth are ours)."""
 
 from __future__ import annotations
 
@@ -60,15 +60,11 @@ def select_global(blocks: Callable[[], Iterator[Block]], classes: Sequence[str],
     Class "" differs from every class, itself too. Ties go to the earlier pair. ``blocks`` starts the reading anew:
     only a pool of the best pairs is held, and a larger one is read when the limits use up the first.
     """
-    numbers: dict[str, int] = {}
-    label = np.array(
-        [numbers.setdefault(name or f"\0{position}", len(numbers)) for position, name in enumerate(classes)],
-        dtype=np.int64,
-    )
+    label = labels(classes)
     size = max(FIRST_POOL, limits.top)
     while True:
         pool, cut = _pool(blocks(), lambda i, j: label[i] != label[j], size)
-        places = _greedy(pool[0], pool[1], label, limits)
+        places = greedy(pool[0], pool[1], label, limits)
         if len(places) == limits.top or not cut:
             return _rows(pool, places)
         size *= GROWTH
@@ -80,8 +76,15 @@ def _rows(pool: Block, places: slice | list[int]) -> Chosen:
     return Chosen(np.column_stack([i[at], j[at]]), score[at])
 
 
-def _greedy(i: IntArray, j: IntArray, label: IntArray, limits: Limits) -> list[int]:
-    """Places in the pool of the pairs taken."""
+def labels(classes: Sequence[str]) -> IntArray:
+    """A number for every class, by position; class "" differs from every class, itself too."""
+    numbers: dict[str, int] = {}
+    found = [numbers.setdefault(name or f"\0{position}", len(numbers)) for position, name in enumerate(classes)]
+    return np.array(found, dtype=np.int64)
+
+
+def greedy(i: IntArray, j: IntArray, label: IntArray, limits: Limits) -> list[int]:
+    """Places of the pairs taken, of pairs (p,) with the best first."""
     shapes: Counter[int] = Counter()
     class_pairs: Counter[tuple[int, int]] = Counter()
     chosen: list[int] = []
@@ -141,6 +144,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Ar
     Of the inputs one at a time is held: there are as many as blocks.
     """
     (settings,) = parameters
+    breadth = settings.breadth
     scored, rated = inputs[: len(spec.blocks)], inputs[len(spec.blocks) :]
 
     def blocks() -> Iterator[Block]:
@@ -154,8 +158,8 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Ar
         for number, batch in zip(spec.rated, rated, strict=True):
             start = spec.starts[number]
             ratings[start : start + len(batch.arrays["score"])] = batch.arrays["score"]
-        chosen = select_paper(blocks(), spec.classes, ratings, settings.top)
+        chosen = select_paper(blocks(), spec.classes, ratings, breadth * settings.top)
     else:
-        limits = Limits(settings.top, settings.per_class_pair, settings.per_shape)
+        limits = Limits(*(breadth * most for most in (settings.top, settings.per_class_pair, settings.per_shape)))
         chosen = select_global(blocks, spec.classes, limits)
     return Artifact({"pairs": chosen.pairs, "score": chosen.score})

@@ -12,7 +12,7 @@ from riot.construct.plan import Plan, TrunkPair, plan_pair
 from riot.construct.refine import refine
 from riot.cross import CrossScore, best_trunk_pairs
 from riot.errors import ConstructionError, TrunkError
-from riot.parameters import D_C, ConstructParameters, CrsParameters, TrunkParameters
+from riot.parameters import D_C, ConstructParameters, CrsParameters, RefineParameters, TrunkParameters
 from riot.polyline import arc_length
 from riot.shape import FloatArray, IntArray, Shape
 from riot.transform import Transform
@@ -27,6 +27,7 @@ def construct(
     b: Shape,
     trunks: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
     parameters: ConstructParameters | None = None,
+    refinement: RefineParameters | None = None,
 ) -> Transform:
     """Construct an exact transform of a into b.
 
@@ -38,6 +39,8 @@ def construct(
         outlines, in corresponding order: round a one way, round b the other. Given them, no search takes place. Without
         them the trunk pairs of highest CRS are tried, and the transform of least deformation is returned.
     parameters : ConstructParameters, optional
+    refinement : RefineParameters, optional
+        Of the trunks that are found; given ones are made conjugate and left there.
 
     Raises
     ------
@@ -46,68 +49,64 @@ def construct(
     ConstructionError
         No trunk pair gave an exact transform; ``reason`` and the message say why the best one failed.
     """
-    parameters = parameters or ConstructParameters()
+    parameters, refinement = parameters or ConstructParameters(), refinement or RefineParameters()
     if trunks is not None:
         if len(trunks) != 2:
             raise TrunkError(f"trunks holds {len(trunks)} items: give two, the vertices on a and those on b")
-        # Given trunks are kept: made conjugate, not refined.
-        return _construct_first(*plan_pairs([given_pair(a, b, *trunks, parameters)], parameters), parameters)
+        pair = given_pair(a, b, *trunks, parameters.snap, refinement.reach)
+        return construct_plans(*plan_pairs([pair], refinement), parameters)
     full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
     for shape, found in ((a, full_a), (b, full_b)):
         if len(found) == 0:
             raise TrunkError(
                 f"{shape.name or 'the shape'} has no trunk: no convex polygon inscribed in it passes all tests"
             )
-    scores = best_trunk_pairs(a, b, full_a, full_b, CrsParameters(), parameters.candidates)
-    return construct_scored(a, b, scores, parameters)
+    scores = best_trunk_pairs(a, b, full_a, full_b, CrsParameters(), refinement.candidates)
+    return construct_scored(a, b, scores, parameters, refinement)
 
 
 def construct_scored(
-    a: Shape, b: Shape, scores: Sequence[CrossScore], parameters: ConstructParameters | None = None
+    a: Shape,
+    b: Shape,
+    scores: Sequence[CrossScore],
+    parameters: ConstructParameters | None = None,
+    refinement: RefineParameters | None = None,
 ) -> Transform:
-    """The transform of least deformation among those on the trunk pairs of ``scores``; errors as `construct`."""
+    """The transform of least deformation on the trunk pairs of ``scores``, refined; errors as `construct`."""
     if not scores:
         raise TrunkError(f"{a.name or 'P'} and {b.name or 'Q'} have no trunks with the same number of vertices")
-    pairs = [
-        TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b, (parameters or ConstructParameters()).reach)
-        for score in scores
-    ]
-    return construct_best(pairs, parameters or ConstructParameters())
+    refinement = refinement or RefineParameters()
+    plans, unplanned = plan_pairs(trunk_pairs(a, b, scores, refinement.reach), refinement)
+    return construct_plans(refine_best(plans, refinement), unplanned, parameters or ConstructParameters())
 
 
-def construct_best(pairs: Sequence[TrunkPair], parameters: ConstructParameters) -> Transform:
-    """The certified transform with the highest IoU of the worse shape among those on several trunk pairs, refined.
-
-    Among equals the first of ``pairs`` wins.
-    """
-    plans, unplanned = plan_pairs(pairs, parameters)
-    return _construct_first(refine_best(plans, parameters), unplanned, parameters)
+def trunk_pairs(a: Shape, b: Shape, scores: Sequence[CrossScore], reach: float) -> list[TrunkPair]:
+    """The trunk pairs of ``scores``, in order; ``reach`` as in `TrunkPair`."""
+    return [TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b, reach) for score in scores]
 
 
-def plan_pairs(
-    pairs: Sequence[TrunkPair], parameters: ConstructParameters
-) -> tuple[list[Plan], list[ConstructionError]]:
+def plan_pairs(pairs: Sequence[TrunkPair], parameters: RefineParameters) -> tuple[list[Plan], list[ConstructionError]]:
     """Plans, highest bound first, and why the other trunk pairs gave none."""
     plans: list[Plan] = []
     unplanned: list[ConstructionError] = []
     for pair in pairs:
         try:
-            plans.append(plan_pair(pair, parameters))
+            plans.append(plan_pair(pair, parameters.bound_lines))
         except ConstructionError as error:
             unplanned.append(error)
     return sorted(plans, key=lambda plan: -plan.bound), unplanned
 
 
-def refine_best(plans: Sequence[Plan], parameters: ConstructParameters) -> list[Plan]:
+def refine_best(plans: Sequence[Plan], parameters: RefineParameters) -> list[Plan]:
     """Plans, highest bound first, with the most promising refined a little, and the best of these to the end."""
     rest = list(plans)
-    for count, steps in ((parameters.sketched, parameters.sketch_steps), (parameters.refined, parameters.refine_steps)):
+    for count, steps in ((parameters.sketched, parameters.sketch_steps), (parameters.refined, parameters.steps)):
         rest = [refine(plan, steps, parameters) for plan in rest[:count]] + rest[count:]
         rest.sort(key=lambda plan: -plan.bound)
     return rest
 
 
-def _construct_first(
+def construct_plans(
     plans: Sequence[Plan], unplanned: Sequence[ConstructionError], parameters: ConstructParameters
 ) -> Transform:
     """The best transform of the first ``attempts`` plans that give one; one whose bound is passed is left out."""
@@ -146,9 +145,12 @@ def _require_certificate(made: Transform) -> None:
 
 
 def given_pair(
-    a: Shape, b: Shape, trunk_a: npt.ArrayLike, trunk_b: npt.ArrayLike, parameters: ConstructParameters
+    a: Shape, b: Shape, trunk_a: npt.ArrayLike, trunk_b: npt.ArrayLike, snap: float, reach: float
 ) -> TrunkPair:
-    """Put given trunk vertices on the outlines, and check that they correspond; TrunkError if they do not."""
+    """Put given trunk vertices on the outlines, and check that they correspond; TrunkError if they do not.
+
+    They may lie ``snap`` from the outline, in units of ``D_c``; ``reach`` as in `TrunkPair`.
+    """
     try:
         wanted = [np.asarray(trunk, dtype=np.float64) for trunk in (trunk_a, trunk_b)]
     except (TypeError, ValueError) as error:
@@ -158,8 +160,8 @@ def given_pair(
             raise TrunkError(f"the {name} trunk has shape {trunk.shape}: give (n, 2) finite coordinates, n ≥ 3")
     if len(wanted[0]) != len(wanted[1]):
         raise TrunkError(f"the trunks have {len(wanted[0])} and {len(wanted[1])} vertices: they must have equally many")
-    outline_a, indices_a = insert_vertices(a, wanted[0], parameters.snap * D_C)
-    outline_b, indices_b = insert_vertices(b, wanted[1], parameters.snap * D_C)
+    outline_a, indices_a = insert_vertices(a, wanted[0], snap * D_C)
+    outline_b, indices_b = insert_vertices(b, wanted[1], snap * D_C)
     around_a, around_b = _direction(indices_a, a), _direction(indices_b, b)
     if around_a == around_b:
         raise TrunkError(
@@ -168,7 +170,7 @@ def given_pair(
         )
     if around_a < 0:
         indices_a, indices_b = indices_a[::-1].copy(), indices_b[::-1].copy()
-    return TrunkPair(a, b, outline_a, outline_b, indices_a, indices_b, parameters.reach)
+    return TrunkPair(a, b, outline_a, outline_b, indices_a, indices_b, reach)
 
 
 def insert_vertices(shape: Shape, wanted: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:

@@ -10,7 +10,7 @@ import numpy as np
 from riot.construct.conjugate import is_convex, make_conjugate
 from riot.errors import ConstructionError
 from riot.kernels.change import feet, least_changes, placed_arcs
-from riot.parameters import L_C, ConstructParameters
+from riot.parameters import L_C, RefineParameters
 from riot.polyline import arc_length
 from riot.shape import FloatArray, IntArray, Shape
 
@@ -38,7 +38,7 @@ class TrunkPair:
     outline_q: FloatArray
     trunk_p: IntArray
     trunk_q: IntArray
-    reach: float = ConstructParameters.reach
+    reach: float = RefineParameters.reach
 
     @cached_property
     def corners(self) -> FloatArray:
@@ -81,12 +81,12 @@ class Plan:
     @property
     def trunk_p(self) -> FloatArray:
         """(n, 2) T, counter-clockwise, in P's frame."""
-        return self.trunks[0].copy()
+        return np.array(self.trunks[0])
 
     @property
     def trunk_q(self) -> FloatArray:
         """(n, 2) T̄, clockwise, in Q's frame."""
-        return self.trunks[1].copy()
+        return np.array(self.trunks[1])
 
     @cached_property
     def arcs_p(self) -> FloatArray:
@@ -125,12 +125,15 @@ class Plan:
         return _swing(outline, windows, self.trunk_q[::-1].copy(), self.trunk_p[::-1].copy())
 
 
-def plan_pair(pair: TrunkPair, parameters: ConstructParameters) -> Plan:
-    """Make the trunks conjugate with the least movement of their vertices; ConstructionError if that fails."""
+def plan_pair(pair: TrunkPair, lines: int = RefineParameters.bound_lines) -> Plan:
+    """Make the trunks conjugate with the least movement of their vertices, and bound the IoU by so many scanlines.
+
+    ConstructionError if the trunks cannot be made conjugate and convex.
+    """
     for name, trunk in (("P", pair.corners[0]), ("Q", pair.corners[1, ::-1])):
         if not is_convex(trunk):
             raise ConstructionError("not-convex", f"the trunk of {name} is not convex")
-    return plan_on(pair, np.stack(make_conjugate(*pair.corners)), parameters.lines)
+    return plan_on(pair, np.stack(make_conjugate(*pair.corners)), lines)
 
 
 def plan_on(pair: TrunkPair, trunks: FloatArray, lines: int) -> Plan:

@@ -16,7 +16,7 @@ from riot.construct.conjugate import TOLERANCE, is_convex
 from riot.construct.plan import Plan, plan_on
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, quasi_newton, tangential
-from riot.parameters import D_C, ConstructParameters
+from riot.parameters import D_C, RefineParameters
 from riot.shape import FloatArray
 
 SHARPNESS = (60.0, 240.0)
@@ -38,7 +38,7 @@ SETTLED = 1e-5
 PROJECTIONS = 50
 
 
-def refine(plan: Plan, steps: int, parameters: ConstructParameters) -> Plan:
+def refine(plan: Plan, steps: int, parameters: RefineParameters) -> Plan:
     """The plan with its trunks moved in at most so many steps; the plan itself if that does not raise its bound.
 
     No corner moves farther than ``parameters.slide`` along either axis.
@@ -46,15 +46,15 @@ def refine(plan: Plan, steps: int, parameters: ConstructParameters) -> Plan:
     best = plan.trunks
     for sharpness in SHARPNESS:
         best = _Climb(plan, parameters, sharpness).run(best, steps // len(SHARPNESS))
-    refined = plan_on(plan.pair, best, parameters.lines)
+    refined = plan_on(plan.pair, best, parameters.bound_lines)
     return refined if refined.bound > plan.bound else plan
 
 
 class _Climb:
     """One maximisation with one sharpness."""
 
-    def __init__(self, plan: Plan, parameters: ConstructParameters, sharpness: float) -> None:
-        self.sides, self.lines, self.sharpness = plan.pair.sides, parameters.refine_lines, sharpness
+    def __init__(self, plan: Plan, parameters: RefineParameters, sharpness: float) -> None:
+        self.sides, self.lines, self.sharpness = plan.pair.sides, parameters.lines, sharpness
         self.start, self.slide = plan.trunks, parameters.slide * D_C
 
     def run(self, trunks: FloatArray, steps: int) -> FloatArray:

@@ -117,7 +117,7 @@ def good_pair() -> TrunkPair:
     for score in best_trunk_pairs(a, b, count=16):
         pair = TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b)
         try:
-            construct_plan(plan_pair(pair, ConstructParameters()), ConstructParameters())
+            construct_plan(plan_pair(pair), ConstructParameters())
         except ConstructionError:
             continue
         return pair
@@ -126,7 +126,7 @@ def good_pair() -> TrunkPair:
 
 def test_cells_are_bounded_by_their_paths() -> None:
     parameters = ConstructParameters()
-    plan = plan_pair(good_pair(), parameters)
+    plan = plan_pair(good_pair())
     mesh = mesh_convex(plan.trunk_p, 0.01)
     arcs, offsets = np.ascontiguousarray(plan.arcs_q[::-1]), plan.offsets_q[-1] - plan.offsets_q[::-1]
     cells = label_cells(mesh, arcs, offsets, parameters)
@@ -180,7 +180,7 @@ def test_search_and_construction_of_any_two_blobs(one: int, other: int) -> None:
 
 def test_the_partition_reaches_the_least_change_its_trunks_allow() -> None:
     pair = good_pair()
-    plan = plan_pair(pair, ConstructParameters())
+    plan = plan_pair(pair)
     made = construct_plan(plan, ConstructParameters())
     for iou, bound in zip(made.overlap_ratios, (plan.bound_p, plan.bound_q), strict=True):
         assert bound - 0.005 < iou < bound + 1e-3
@@ -252,7 +252,7 @@ def test_a_piece_that_covers_all_is_rejected_with_a_reason() -> None:
 
 def test_plans_of_equal_input_are_equal() -> None:
     pair = good_pair()
-    made = [construct_plan(plan_pair(pair, ConstructParameters()), ConstructParameters()) for _ in range(2)]
+    made = [construct_plan(plan_pair(pair), ConstructParameters()) for _ in range(2)]
     for one, two in zip(made[0].pieces, made[1].pieces, strict=True):
         assert np.array_equal(one.lower, two.lower)
         assert np.array_equal(one.upper, two.upper)

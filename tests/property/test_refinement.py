@@ -16,12 +16,12 @@ from riot.errors import ConstructionError
 from riot.groundtruth import exact_pair
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, edge_differences, tangential
-from riot.parameters import D_C, ConstructParameters
+from riot.parameters import D_C, RefineParameters
 from riot.polyline import edge_lengths
 from riot.pose import rotate
 from riot.shape import Shape
 
-PARAMETERS = ConstructParameters()
+PARAMETERS = RefineParameters()
 
 
 @cache
@@ -30,7 +30,7 @@ def plans(one: int, other: int) -> list[Plan]:
     found = []
     for score in best_trunk_pairs(a, b, count=6):
         try:
-            found.append(plan_pair(TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b), PARAMETERS))
+            found.append(plan_pair(TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b)))
         except ConstructionError:
             continue
     return found
@@ -96,7 +96,7 @@ def test_refinement_leaves_an_exact_pair_where_it_is() -> None:
     pair = exact_pair(4, 3)
     p, q = pair_shapes(pair)
     trunks = p.from_source(pair.trunk_p), q.from_source(pair.trunk_q)
-    plan = plan_pair(given_pair(p, q, *trunks, PARAMETERS), PARAMETERS)
+    plan = plan_pair(given_pair(p, q, *trunks, 0.1, PARAMETERS.reach))
     assert plan.bound > 0.9999
     assert refine(plan, 24, PARAMETERS).bound >= plan.bound
 
@@ -105,6 +105,6 @@ def test_refinement_does_not_depend_on_where_the_shapes_lie() -> None:
     plan = plans(1, 2)[0]
     pair = plan.pair
     turned = Shape(rotate(pair.p.points, 0.5 * np.pi), pair.p.feature, pair.p.name)
-    again = plan_pair(TrunkPair(turned, pair.q, turned.points, pair.outline_q, pair.trunk_p, pair.trunk_q), PARAMETERS)
+    again = plan_pair(TrunkPair(turned, pair.q, turned.points, pair.outline_q, pair.trunk_p, pair.trunk_q))
     assert again.bound == pytest.approx(plan.bound, abs=1e-3)
     assert refine(again, 24, PARAMETERS).bound == pytest.approx(refine(plan, 24, PARAMETERS).bound, abs=5e-3)
