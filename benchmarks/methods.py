@@ -1,0 +1,260 @@
+"""The paper's construction beside the exact one, on the same trunks: what is left over, how close, at what cost.
+
+    python benchmarks/methods.py                               exact pairs, rendered to pictures
+    python benchmarks/methods.py --root DIR --shapes 60        the best pairs of some of the pictures below DIR
+    python benchmarks/methods.py --transforms DIR --pairs 40   the trunk pairs of transforms that a run has made
+
+Of every pair the first trunk pair that can be made conjugate is constructed on: by the paper's method, by the exact
+one, and by the exact one after the trunks were moved for the best bound, as the library does it. All figures are of the
+worse of the two shapes. Gaps, overlaps and outside are areas in the trunks, of unit-area shapes, measured by scanlines
+for all ways alike; a way's quantiles are over the pairs that none has refused.
+"""
+
+from __future__ import annotations
+
+import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+
+# ruff: isort: split
+import argparse
+import json
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from inputs import SIZES, pictures, render
+from measure import each
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from table import WIDTH
+
+from riot.construct.choose import construct_best, given_pair
+from riot.construct.exact import construct_plan
+from riot.construct.laplacian import construct_laplacian
+from riot.construct.laplacian.residual import residuals
+from riot.construct.plan import Plan, TrunkPair, plan_pair
+from riot.cross import best_trunk_pairs
+from riot.errors import RiotError
+from riot.kernels.warm import warm_all
+from riot.parameters import ConstructParameters
+from riot.quick import score_block, stack
+from riot.shape import Shape
+from riot.silhouette import read
+from riot.transform import Transform
+from riot.trunks import full_trunks, quick_trunks
+
+FORMAT = 1
+"""Version of the JSON."""
+
+PARAMETERS = ConstructParameters()
+
+QUANTILES = {"median": 0.5, "p90": 0.9, "worst": 1.0}
+"""Of figures that are better the smaller; of the others the same from the other end."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What one way makes of one pair, of the worse shape; lengths in units of ``L_c``."""
+
+    gaps: float
+    overlaps: float
+    outside: float
+    iou: float
+    hausdorff: float
+    cpu_ms: float
+    certified: bool
+    """The certificate passes: pieces tile both shapes, and neither outline touches itself."""
+
+
+WORDS = {
+    "gaps": "gaps",
+    "overlaps": "overlaps",
+    "outside": "outside",
+    "iou": "IoU",
+    "hausdorff": "Hausdorff / L_c",
+    "cpu_ms": "CPU ms",
+}
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One pair: names, number of pieces, and the figures of every way; None where it was refused."""
+
+    p: str
+    q: str
+    n: int
+    ways: dict[str, Figures | None]
+
+
+Way = Callable[[Plan], Transform]
+
+WAYS: dict[str, Way] = {
+    "paper": lambda plan: construct_laplacian(plan, PARAMETERS),
+    "exact": lambda plan: construct_plan(plan, PARAMETERS),
+    "exact, refined": lambda plan: construct_best([plan.pair], PARAMETERS),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run, print the tables, write JSON if asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--size", choices=SIZES, default="medium")
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument("--root", type=Path, help="a folder of pictures instead of exact pairs")
+    source.add_argument("--transforms", type=Path, help="a folder of .riot files instead")
+    parser.add_argument("--shapes", type=int, help="number of pictures instead of the size's")
+    parser.add_argument("--pairs", type=int, help="number of pairs instead of the size's")
+    parser.add_argument("--json", type=Path, help="write the figures to this file too")
+    chosen = parser.parse_args(arguments)
+    size = SIZES[chosen.size]
+    wanted, count = chosen.pairs or size.pairs, chosen.shapes or size.shapes
+
+    warm_all(lambda message: print(message, file=sys.stderr))
+    if chosen.transforms:
+        plans = _plans_of_run(chosen.transforms, wanted)
+        if not plans:
+            parser.error(f"no .riot file that can be constructed on under {chosen.transforms}")
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            paths = pictures(chosen.root, count) if chosen.root else render(count, Path(folder))
+            if len(paths) < 2:
+                parser.error(f"fewer than two pictures under {chosen.root}")
+            plans = _plans_of_pictures(paths, wanted)
+    found = compare(plans)
+    show(found)
+    if chosen.json:
+        source_name = "transforms" if chosen.transforms else "folder" if chosen.root else "exact pairs"
+        document = {"format": FORMAT, "source": source_name, "pairs": [asdict(pair) for pair in found]}
+        document["quantiles"] = {way: quantiles(found, way) for way in WAYS}
+        chosen.json.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    return 0
+
+
+def compare(plans: Sequence[Plan]) -> list[Compared]:
+    """Construct on every plan in every way."""
+    timed = {name: each(way, plans) for name, way in WAYS.items()}
+    compared = []
+    for k, plan in enumerate(plans):
+        ways = {name: _figures(way.results[k], way.ms[k]) for name, way in timed.items()}
+        compared.append(Compared(plan.pair.p.name, plan.pair.q.name, len(plan.trunk_p), ways))
+    return compared
+
+
+def _figures(made: Transform | None, ms: float) -> Figures | None:
+    if made is None:
+        return None
+    worse = max(residuals(made), key=lambda residual: residual.total)
+    deformation = made.deformation()
+    return Figures(
+        worse.gaps,
+        worse.overlaps,
+        worse.outside,
+        deformation.iou,
+        max(deformation.hausdorff_p, deformation.hausdorff_q),
+        ms,
+        made.certificate().passed,
+    )
+
+
+def _plans_of_run(folder: Path, count: int) -> list[Plan]:
+    """Plans on the trunks that the first transforms of a folder, by name, were constructed from."""
+    plans: list[Plan] = []
+    for path in sorted(folder.rglob("*.riot")):
+        if len(plans) == count:
+            break
+        made = Transform.load(path)
+        try:
+            pair = given_pair(made.p, made.q, made.trunk_p, made.trunk_q, PARAMETERS)
+            plans.append(plan_pair(pair, PARAMETERS))
+        except RiotError as error:
+            print(f"{path.name}: {error}", file=sys.stderr)
+    return plans
+
+
+def _plans_of_pictures(paths: Sequence[Path], count: int) -> list[Plan]:
+    """Plans of the pairs of highest QCRS, each on its first trunk pair by CRS that can be made conjugate."""
+    shapes = []
+    for path in paths:
+        try:
+            shapes.append(read(path))
+        except RiotError as error:
+            print(f"{path.name}: {error}", file=sys.stderr)
+    quick = stack([quick_trunks(shape) for shape in shapes])
+    scores = score_block(quick, quick, None, True)
+    plans: list[Plan] = []
+    for k in np.argsort(-scores.score, kind="stable"):
+        if len(plans) == count or scores.score[k] <= 0.0:
+            break
+        plan = _first_plan(shapes[scores.i[k]], shapes[scores.j[k]])
+        if plan is not None:
+            plans.append(plan)
+    return plans
+
+
+def _first_plan(p: Shape, q: Shape) -> Plan | None:
+    trunks_p, trunks_q = full_trunks(p), full_trunks(q)
+    if len(trunks_p) == 0 or len(trunks_q) == 0:
+        return None
+    for score in best_trunk_pairs(p, q, trunks_p, trunks_q, count=PARAMETERS.candidates):
+        try:
+            return plan_pair(TrunkPair(p, q, p.points, q.points, score.trunk_a, score.trunk_b), PARAMETERS)
+        except RiotError:
+            continue
+    return None
+
+
+def quantiles(found: Sequence[Compared], way: str) -> dict[str, dict[str, float]]:
+    """Of each figure, over the pairs that no way has refused; empty if there is none."""
+    common = [pair.ways[way] for pair in found if all(pair.ways.values())]
+    if not common:
+        return {}
+    return {
+        name: {
+            words: float(np.quantile([getattr(each, name) for each in common], 1.0 - q if name == "iou" else q))
+            for words, q in QUANTILES.items()
+        }
+        for name in WORDS
+    }
+
+
+def show(found: Sequence[Compared], console: Console | None = None) -> None:
+    """Print a line for each pair, and the quantiles."""
+    console = console or Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=WIDTH, file=console.file)
+    pairs = Table("pair", "n", box=box.SIMPLE_HEAD, pad_edge=False)
+    for way in WAYS:
+        pairs.add_column(way, justify="right", no_wrap=True)
+    for pair in found:
+        pairs.add_row(f"{pair.p} → {pair.q}", str(pair.n), *(_cell(pair.ways[way]) for way in WAYS))
+    console.print(pairs)
+    console.print("Of each way: gaps + overlaps + outside; IoU; Hausdorff / L_c; CPU ms.", soft_wrap=True)
+    table = Table("", box=box.SIMPLE_HEAD, pad_edge=False)
+    for way in WAYS:
+        for words in QUANTILES:
+            table.add_column(f"{way}\n{words}", justify="right")
+    each_way = {way: quantiles(found, way) for way in WAYS}
+    for name, words in WORDS.items():
+        cells = [f"{of[name][q]:.3g}" if of else "" for of in each_way.values() for q in QUANTILES]
+        table.add_row(words, *cells)
+    console.print(table)
+    common = sum(all(pair.ways.values()) for pair in found)
+    console.print(f"{len(found)} pairs; quantiles over the {common} that no way refused.", soft_wrap=True)
+    for way in WAYS:
+        made = [figures for pair in found if (figures := pair.ways[way]) is not None]
+        passed = sum(figures.certified for figures in made)
+        console.print(f"{way}: {len(found) - len(made)} refused, {passed} certified.", soft_wrap=True)
+
+
+def _cell(figures: Figures | None) -> str:
+    if figures is None:
+        return "refused"
+    areas = f"{figures.gaps:.4f} + {figures.overlaps:.4f} + {figures.outside:.4f}"
+    return f"{areas}; {figures.iou:.4f}; {figures.hausdorff:.4f}; {figures.cpu_ms:.0f}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
