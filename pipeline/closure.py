@@ -20,7 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("riot", "pipeline")
 
-DECLARATIONS = frozenset({"riot.parameters", "riot.errors", "pipeline.errors"})
+DECLARATIONS = frozenset({"riot.parameters", "riot.motion.parameters", "riot.errors", "pipeline.errors"})
 """Modules that compute nothing: the values of parameters enter a key by themselves, so that a new parameter or another
 default of one stage leaves the other stages' keys alone."""
 

@@ -14,6 +14,7 @@ from typing import Any, Literal, TypeVar
 
 from pipeline.datasets import DatasetConfig
 from pipeline.errors import ConfigError
+from riot.motion.parameters import MotionParameters
 from riot.parameters import (
     ConstructParameters,
     CrsParameters,
@@ -87,6 +88,7 @@ class Config:
     qcrs: QcrsConfig = field(default_factory=QcrsConfig)
     crs: CrsParameters = field(default_factory=CrsParameters)
     construct: ConstructParameters = field(default_factory=ConstructParameters)
+    motion: MotionParameters = field(default_factory=MotionParameters)
     select: SelectConfig = field(default_factory=SelectConfig)
     cluster: ClusterConfig = field(default_factory=ClusterConfig)
     plan: bool = False

@@ -13,7 +13,17 @@ from rich.table import Table
 from pipeline.artifact import canonical_json
 from pipeline.config import Config
 from pipeline.datasets import collect
-from pipeline.plan import Plan, WorkItem, make_plan, plan_construct, plan_crs, plan_full_trunks, plan_select
+from pipeline.plan import (
+    Plan,
+    WorkItem,
+    make_plan,
+    plan_construct,
+    plan_crs,
+    plan_full_trunks,
+    plan_motions,
+    plan_select,
+)
+from pipeline.results import certified
 from pipeline.stages import BY_NAME
 from pipeline.store import State, Store
 
@@ -22,7 +32,7 @@ Changes = tuple[str, ...]
 
 @dataclass(frozen=True)
 class StageForecast:
-    """What a run would do in one stage; ``items`` is None while the selection is not known."""
+    """What a run would do in one stage; ``items`` is None while what they depend on is not known."""
 
     stage: str
     items: int | None
@@ -55,14 +65,23 @@ def _after_selection(plan: Plan, store: Store) -> list[StageForecast]:
     select = plan_select(plan, done)
     found = [_stage(store, "select", [select])]
     if found[0].cached == 0:
-        return found + [StageForecast(name, None, 0, 0, None, ()) for name in ("trunks_full", "crs", "construct")]
+        return found + [_unknown(name) for name in ("trunks_full", "crs", "construct", "motion")]
     pairs = [(int(i), int(j)) for i, j in store.get(*select.reference).arrays["pairs"]]
     full = plan_full_trunks(plan, pairs)
     crs = plan_crs(plan, pairs, full)
     found.append(_stage(store, "trunks_full", list(full.values())))
     found.append(_stage(store, "crs", crs))
-    found.append(_stage(store, "construct", plan_construct(plan, crs)))
+    made = plan_construct(plan, crs)
+    found.append(_stage(store, "construct", made))
+    if found[-1].missing:
+        found.append(_unknown("motion"))
+    else:
+        found.append(_stage(store, "motion", plan_motions(plan, certified(store, made))))
     return found
+
+
+def _unknown(name: str) -> StageForecast:
+    return StageForecast(name, None, 0, 0, None, ())
 
 
 def _stage(store: Store, name: str, items: Sequence[WorkItem]) -> StageForecast:
@@ -87,7 +106,7 @@ def show_plan(forecasts: Sequence[StageForecast], top: int, console: Console) ->
         unit = BY_NAME[one.stage].unit
         if one.items is None:
             most = 2 * top if one.stage == "trunks_full" else top
-            table.add_row(one.stage, unit, f"≤ {most}", "?", "?", "", "after the selection")
+            table.add_row(one.stage, unit, f"≤ {most}", "?", "?", "", _when(one.stage))
             continue
         estimate = "unknown" if one.seconds is None else f"{one.seconds:.1f} s"
         table.add_row(
@@ -97,11 +116,15 @@ def show_plan(forecasts: Sequence[StageForecast], top: int, console: Console) ->
     console.print("Estimates are for one worker, from what the same stage took before.", highlight=False)
 
 
+def _when(stage: str) -> str:
+    return "after construction" if stage == "motion" else "after the selection"
+
+
 def show_explanation(forecasts: Sequence[StageForecast], store: Store, console: Console) -> None:
     """Print for every stage with work left which components of its keys changed, old and new."""
     for one in forecasts:
         if one.items is None:
-            console.print(f"{one.stage}: known after the selection", highlight=False)
+            console.print(f"{one.stage}: known {_when(one.stage)}", highlight=False)
         elif not one.missing:
             console.print(f"{one.stage}: all {one.items} cached", highlight=False)
         else:

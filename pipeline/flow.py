@@ -24,11 +24,12 @@ from pipeline.plan import (
     plan_construct,
     plan_crs,
     plan_full_trunks,
+    plan_motions,
     plan_search,
     plan_select,
 )
 from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
-from pipeline.results import Results
+from pipeline.results import Results, certified
 from pipeline.store import write_atomically
 from pipeline.write import write_tables
 from riot.shape import FloatArray
@@ -131,6 +132,8 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
     run.stage("crs", crs)
     construct = plan_construct(plan, crs)
     run.stage("construct", construct)
+    motion = plan_motions(plan, certified(run.store, [item for item in construct if item.reference in run.done]))
+    run.stage("motion", motion)
     return Results(
         plan=plan,
         collection=collection,
@@ -149,6 +152,7 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
             "trunks_full": tuple(full.values()),
             "crs": crs,
             "construct": construct,
+            "motion": motion,
         },
         stages=tuple(run.stages),
     )

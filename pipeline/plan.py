@@ -1,7 +1,8 @@
 """The plan: which work items a run consists of, by content key, known before anything runs.
 
 Keys are chained (an item's inputs are named by their keys), so that everything up to the selection is planned from the
-configuration and the items' digests alone. Full trunks, CRS and construction are planned once the pairs are known.
+configuration and the items' digests alone. Full trunks, CRS and construction are planned once the pairs are known,
+motions once it is known which constructions are certified.
 """
 
 from __future__ import annotations
@@ -188,6 +189,12 @@ def plan_construct(plan: Plan, crs: Sequence[WorkItem]) -> list[WorkItem]:
         sources = (*cross.sources[:2], cross.reference)
         work.append(WorkItem(of.parts([cross.key], names), of.parameters, sources, spec, (p, q)))
     return work
+
+
+def plan_motions(plan: Plan, certified: Sequence[WorkItem]) -> list[WorkItem]:
+    """Motion of every certified construction, in order."""
+    of = plan.recipes["motion"]
+    return [WorkItem(of.parts([made.key]), of.parameters, (made.reference,), None, made.members) for made in certified]
 
 
 def _ingest(of: Recipe, items: tuple[Item, ...], batch: range) -> WorkItem:

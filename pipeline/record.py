@@ -81,13 +81,15 @@ def write_record(
 
 
 def counts(results: Results) -> dict[str, int]:
-    """Items, shapes, pairs, transforms and errors by number.
+    """Items, shapes, pairs, transforms, motions and errors by number.
 
     ``classes`` counts a shape without a class as one of its own; ``without_trunks`` the shapes known to have none;
     ``blocked`` the work items that were not tried because an input had failed.
     """
     made = [results.artifact(item) for item in results.work["construct"]]
     statuses = [artifact.document["status"] for artifact in made if artifact is not None]
+    motions = [results.artifact(item) for item in results.work["motion"]]
+    flat = [bool(one.document["swings_flat"]) for one in motions if one is not None and "swings_flat" in one.document]
     shapes = results.shapes
     return {
         "items": len(results.plan.items) + len(results.collection.rejected),
@@ -100,6 +102,8 @@ def counts(results: Results) -> dict[str, int]:
         "selected": len(results.pairs),
         "certified": statuses.count("certified"),
         "rejected": statuses.count("rejected"),
+        "planned": len(flat),
+        "swing_flat": sum(flat),
         "errors": len(results.errors),
         "blocked": results.blocked,
     }

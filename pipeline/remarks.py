@@ -9,7 +9,7 @@ from pipeline.datasets import PICTURES
 
 def remarks(counts: Mapping[str, int], policy: str) -> list[str]:
     """Sentences on a run's ``counts`` (see `pipeline.record.counts`), none when there is nothing to wonder about."""
-    return [*_trunks(counts), *_selection(counts, policy), *_ignored(counts)]
+    return [*_trunks(counts), *_selection(counts, policy), *_motions(counts), *_ignored(counts)]
 
 
 def several(count: int, one: str, more: str = "") -> str:
@@ -39,6 +39,16 @@ def _selection(counts: Mapping[str, int], policy: str) -> list[str]:
     else:
         why = "no two shapes that may be paired have a QCRS above 0"
     return [f"No pair was selected: {why}."]
+
+
+def _motions(counts: Mapping[str, int]) -> list[str]:
+    planned, flat = counts.get("planned", 0), counts.get("swing_flat", 0)
+    if planned == 0:
+        return []
+    said = f"{flat:,} of {several(planned, 'transform')} ({flat / planned:.0%}) can swing flat"
+    if flat < planned:
+        said += "; the others need telescopic hinges (column lifted_hinges of transforms.parquet)"
+    return [f"{said}."]
 
 
 def _ignored(counts: Mapping[str, int]) -> list[str]:

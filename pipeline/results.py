@@ -24,6 +24,9 @@ from riot.shape import FloatArray, IntArray
 
 Row = dict[str, Any]
 
+OF_PAIRS = ("crs", "construct", "motion")
+"""Stages whose work items concern a pair."""
+
 NOT_BY_SHAPE = ("qcrs", "shards", "partners", "pairs", "select")
 """Stages whose artifacts have no errors of single shapes."""
 
@@ -120,7 +123,7 @@ class Results:
             return
         artifact = self.store.get(*item.reference)
         for row in artifact.document.get("errors", ()):
-            if len(item.members) == 2 and stage in ("crs", "construct"):
+            if len(item.members) == 2 and stage in OF_PAIRS:
                 name, message = self._names(item)[0], row["message"]
             else:
                 member = self.plan.items[item.members[row["index"]]]
@@ -129,7 +132,12 @@ class Results:
 
     def _names(self, item: WorkItem) -> list[str]:
         names = [self.plan.items[position].name for position in item.members]
-        return [" × ".join(names)] if item.stage in ("crs", "construct") else names or [f"({item.stage})"]
+        return [" × ".join(names)] if item.stage in OF_PAIRS else names or [f"({item.stage})"]
+
+
+def certified(store: Store, made: Sequence[WorkItem]) -> list[WorkItem]:
+    """Those of finished constructions that passed."""
+    return [item for item in made if store.get(*item.reference).document["status"] == "certified"]
 
 
 def shown_source(name: str, source: str) -> str:

@@ -63,6 +63,7 @@ STAGES = (
     Stage("trunks_full", ("trunks",), "shapes", bundle=16),
     Stage("crs", ("crs", "construct.candidates"), "pairs", bundle=4),
     Stage("construct", ("construct",), "pairs"),
+    Stage("motion", ("motion",), "certified transforms", bundle=16),
 )
 
 BY_NAME = {stage.name: stage for stage in STAGES}

@@ -141,6 +141,10 @@ TRANSFORMS = _schema(
     _column("gap_q", pa.float64(), "certificate: area that Q's pieces leave open", AREA),
     _column("hinge_p", pa.float64(), "certificate: greatest distance at a hinge of P", AREA),
     _column("hinge_q", pa.float64(), "certificate: greatest distance at a hinge of Q", AREA),
+    _column("swings_flat", pa.bool_(), "whether all pieces swing in one plane from P to Q, null = not planned"),
+    _column("lifted_hinges", _list(pa.int8()), "telescopic hinges: the pieces after one move a plane higher", "hinge"),
+    _column("open_hinge", pa.int8(), "the hinge that is open: hinge j is before piece j, null = not planned", "hinge"),
+    _column("motion_search", pa.string(), "which search found the motion, of several the last; null = not planned"),
 )
 
 ERRORS = _schema(

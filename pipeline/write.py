@@ -21,6 +21,7 @@ from pipeline.results import Results, Row
 from pipeline.store import TEMPORARY, write_atomically
 from pipeline.work.construct import DEFORMATION, RESIDUALS
 from pipeline.work.crs import unpack_scores
+from pipeline.work.motion import COLUMNS as MOTION
 from pipeline.work.qcrs import COLUMNS
 from riot.cross import NO_SCORE, CrossScore
 from riot.polyline import edge_lengths
@@ -238,11 +239,14 @@ def _write_transforms(results: Results, folder: Path) -> list[Path]:
 
 def _transform_rows(results: Results) -> list[Row]:
     rows = []
+    motions = {item.members: results.artifact(item) for item in results.work["motion"]}
     for selected, (item, cross) in enumerate(zip(results.work["construct"], results.work["crs"], strict=True), start=1):
         made, scored = results.artifact(item), results.artifact(cross)
         if made is None or scored is None or made.document["status"] == "failed":
             continue
         document, best = made.document, _best_score(scored)
+        motion = motions.get(item.members)
+        planned = {} if motion is None else motion.document
         row: Row = {
             "selected": selected,
             **_pair(results, item.members),
@@ -253,7 +257,8 @@ def _transform_rows(results: Results) -> list[Row]:
             "n": document.get("n", best.n),
             **{name: document.get(name) for name in DEFORMATION},
             **{f"{name}_{side}": document.get(f"{name}_{side}") for name in ("bound", *RESIDUALS) for side in "pq"},
-            "riot": document.get("riot"),
+            **{name: planned.get(name) for name in MOTION},
+            "riot": planned.get("riot", document.get("riot")),
         }
         if "iou_p" in document:
             row["iou"] = min(document["iou_p"], document["iou_q"])
