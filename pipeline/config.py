@@ -19,6 +19,7 @@ from riot.parameters import (
     ConstructParameters,
     CrsParameters,
     QcrsParameters,
+    RefineParameters,
     ReversibilityParameters,
     ShapeParameters,
     TrunkParameters,
@@ -49,11 +50,14 @@ class SelectConfig:
     policy: Literal["paper", "global"] = "global"
     """``paper``: the shape of best reversibility of each class, all pairs among them. ``global``: over all pairs."""
     top: int = 100
-    """Number of pairs."""
+    """Number of pairs that are constructed."""
     per_class_pair: int = 3
-    """At most so many pairs of the same two classes (``global``)."""
+    """At most so many of them of the same two classes (``global``)."""
     per_shape: int = 5
-    """At most so many pairs with the same shape (``global``)."""
+    """At most so many of them with the same shape (``global``)."""
+    breadth: int = 10
+    """So many times more pairs, by QCRS and within limits so many times wider, go on to CRS and refined trunks; of
+    these the ones whose trunks allow the least deformation are constructed."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +91,7 @@ class Config:
     trunks: TrunkParameters = field(default_factory=TrunkParameters)
     qcrs: QcrsConfig = field(default_factory=QcrsConfig)
     crs: CrsParameters = field(default_factory=CrsParameters)
+    refine: RefineParameters = field(default_factory=RefineParameters)
     construct: ConstructParameters = field(default_factory=ConstructParameters)
     motion: MotionParameters = field(default_factory=MotionParameters)
     select: SelectConfig = field(default_factory=SelectConfig)
@@ -114,14 +119,14 @@ _MAY_BE_ZERO = frozenset(
         "construct.max_cut_off",
         "construct.max_lost_contact",
         "construct.snap",
-        "construct.sketched",
-        "construct.sketch_steps",
-        "construct.refined",
-        "construct.refine_steps",
+        "refine.sketched",
+        "refine.sketch_steps",
+        "refine.refined",
+        "refine.steps",
     }
 )
 _AT_MOST_ONE = frozenset({"trunks.tau_c", "trunks.min_inside", "trunks.max_arc", "trunks.min_area"})
-_STAGE_GROUPS = frozenset({"shape", "reversibility", "trunks", "qcrs", "crs", "construct", "select"})
+_STAGE_GROUPS = frozenset({"shape", "reversibility", "trunks", "qcrs", "crs", "refine", "construct", "select"})
 
 
 def make_config(values: Mapping[str, Any]) -> Config:

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from pipeline.artifact import canonical_json
-from pipeline.config import Config
+from pipeline.config import Config, SelectConfig
 from pipeline.datasets import collect
 from pipeline.plan import (
     Plan,
@@ -21,13 +21,25 @@ from pipeline.plan import (
     plan_crs,
     plan_full_trunks,
     plan_motions,
+    plan_refine,
     plan_select,
+    plan_shortlist,
 )
 from pipeline.results import certified
 from pipeline.stages import BY_NAME
 from pipeline.store import State, Store
 
 Changes = tuple[str, ...]
+
+KNOWN_AFTER = {
+    "trunks_full": "the selection",
+    "crs": "the selection",
+    "refine": "the selection",
+    "shortlist": "the trunks are refined",
+    "construct": "the shortlist",
+    "motion": "construction",
+}
+"""When it is known what a stage has to do, of stages that depend on results."""
 
 
 @dataclass(frozen=True)
@@ -65,19 +77,25 @@ def _after_selection(plan: Plan, store: Store) -> list[StageForecast]:
     select = plan_select(plan, done)
     found = [_stage(store, "select", [select])]
     if found[0].cached == 0:
-        return found + [_unknown(name) for name in ("trunks_full", "crs", "construct", "motion")]
+        return found + [_unknown(name) for name in KNOWN_AFTER]
     pairs = [(int(i), int(j)) for i, j in store.get(*select.reference).arrays["pairs"]]
     full = plan_full_trunks(plan, pairs)
     crs = plan_crs(plan, pairs, full)
     found.append(_stage(store, "trunks_full", list(full.values())))
     found.append(_stage(store, "crs", crs))
-    made = plan_construct(plan, crs)
+    refined = plan_refine(plan, crs)
+    found.append(_stage(store, "refine", refined))
+    if found[-1].missing:
+        return found + [_unknown(name) for name in ("shortlist", "construct", "motion")]
+    shortlist = plan_shortlist(plan, refined)
+    found.append(_stage(store, "shortlist", [shortlist]))
+    if found[-1].missing:
+        return found + [_unknown(name) for name in ("construct", "motion")]
+    made = plan_construct(plan, [refined[place] for place in store.get(*shortlist.reference).arrays["places"]])
     found.append(_stage(store, "construct", made))
     if found[-1].missing:
-        found.append(_unknown("motion"))
-    else:
-        found.append(_stage(store, "motion", plan_motions(plan, certified(store, made))))
-    return found
+        return [*found, _unknown("motion")]
+    return [*found, _stage(store, "motion", plan_motions(plan, certified(store, made)))]
 
 
 def _unknown(name: str) -> StageForecast:
@@ -95,7 +113,7 @@ def _stage(store: Store, name: str, items: Sequence[WorkItem]) -> StageForecast:
     return StageForecast(name, len(items), len(items) - len(missing), corrupt, seconds, missing)
 
 
-def show_plan(forecasts: Sequence[StageForecast], top: int, console: Console) -> None:
+def show_plan(forecasts: Sequence[StageForecast], select: SelectConfig, console: Console) -> None:
     """Print what would run."""
     table = Table(title="Plan: nothing was run", title_justify="left")
     table.add_column("stage")
@@ -105,8 +123,9 @@ def show_plan(forecasts: Sequence[StageForecast], top: int, console: Console) ->
     for one in forecasts:
         unit = BY_NAME[one.stage].unit
         if one.items is None:
-            most = 2 * top if one.stage == "trunks_full" else top
-            table.add_row(one.stage, unit, f"≤ {most}", "?", "?", "", _when(one.stage))
+            pairs = select.breadth * select.top
+            most = {"trunks_full": 2 * pairs, "crs": pairs, "refine": pairs, "shortlist": 1}.get(one.stage, select.top)
+            table.add_row(one.stage, unit, f"≤ {most}", "?", "?", "", f"after {KNOWN_AFTER[one.stage]}")
             continue
         estimate = "unknown" if one.seconds is None else f"{one.seconds:.1f} s"
         table.add_row(
@@ -116,15 +135,11 @@ def show_plan(forecasts: Sequence[StageForecast], top: int, console: Console) ->
     console.print("Estimates are for one worker, from what the same stage took before.", highlight=False)
 
 
-def _when(stage: str) -> str:
-    return "after construction" if stage == "motion" else "after the selection"
-
-
 def show_explanation(forecasts: Sequence[StageForecast], store: Store, console: Console) -> None:
     """Print for every stage with work left which components of its keys changed, old and new."""
     for one in forecasts:
         if one.items is None:
-            console.print(f"{one.stage}: known {_when(one.stage)}", highlight=False)
+            console.print(f"{one.stage}: known after {KNOWN_AFTER[one.stage]}", highlight=False)
         elif not one.missing:
             console.print(f"{one.stage}: all {one.items} cached", highlight=False)
         else:

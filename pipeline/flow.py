@@ -25,8 +25,10 @@ from pipeline.plan import (
     plan_crs,
     plan_full_trunks,
     plan_motions,
+    plan_refine,
     plan_search,
     plan_select,
+    plan_shortlist,
 )
 from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results, certified
@@ -130,7 +132,12 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
     run.stage("trunks_full", list(full.values()))
     crs = plan_crs(plan, pairs, full)
     run.stage("crs", crs)
-    construct = plan_construct(plan, crs)
+    refine = plan_refine(plan, crs)
+    run.stage("refine", refine)
+    refined = [item for item in refine if item.reference in run.done]
+    shortlist = plan_shortlist(plan, refined)
+    run.stage("shortlist", [shortlist], here=True)
+    construct = plan_construct(plan, read_shortlist(run, shortlist, refined))
     run.stage("construct", construct)
     motion = plan_motions(plan, certified(run.store, [item for item in construct if item.reference in run.done]))
     run.stage("motion", motion)
@@ -151,6 +158,8 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
             "select": (select,),
             "trunks_full": tuple(full.values()),
             "crs": crs,
+            "refine": refine,
+            "shortlist": (shortlist,),
             "construct": construct,
             "motion": motion,
         },
@@ -164,6 +173,13 @@ def read_pairs(run: Run, select: WorkItem) -> tuple[Sequence[Pair], FloatArray]:
         return (), np.empty(0)
     chosen = run.store.get(*select.reference)
     return [(int(i), int(j)) for i, j in chosen.arrays["pairs"]], np.array(chosen.arrays["score"])
+
+
+def read_shortlist(run: Run, shortlist: WorkItem, refined: Sequence[WorkItem]) -> list[WorkItem]:
+    """The pairs that a finished shortlist names, the most promising first; none if it failed."""
+    if shortlist.reference not in run.done:
+        return []
+    return [refined[place] for place in run.store.get(*shortlist.reference).arrays["places"]]
 
 
 def _compile(listen: Listener) -> None:

@@ -21,6 +21,7 @@ from pipeline.item import Item
 from pipeline.keys import KeyParts, digest_text
 from pipeline.stages import STAGES, Recipe, recipe
 from pipeline.work import pairs as kept_pairs
+from pipeline.work import shortlist
 from pipeline.work.partners import Place
 from pipeline.work.select import Spec
 
@@ -178,16 +179,34 @@ def plan_crs(plan: Plan, pairs: Sequence[Pair], full: dict[int, WorkItem]) -> li
     return work
 
 
-def plan_construct(plan: Plan, crs: Sequence[WorkItem]) -> list[WorkItem]:
-    """Construction of every pair that has a CRS, in order."""
+def plan_refine(plan: Plan, crs: Sequence[WorkItem]) -> list[WorkItem]:
+    """Refined trunks of every pair, in order."""
+    of = plan.recipes["refine"]
+    return [
+        WorkItem(of.parts([cross.key]), of.parameters, (*cross.sources[:2], cross.reference), cross.spec, cross.members)
+        for cross in crs
+    ]
+
+
+def plan_shortlist(plan: Plan, refined: Sequence[WorkItem]) -> WorkItem:
+    """Which of the pairs with refined trunks, all of them done, are constructed."""
+    of, sources = plan.recipes["shortlist"], tuple(item.reference for item in refined)
+    pairs = tuple((item.members[0], item.members[1]) for item in refined)
+    spec = shortlist.Spec(tuple(item.cls for item in plan.items), pairs)
+    parts = of.parts([key for _, key in sources], digest_text(repr(spec)))
+    return WorkItem(parts, of.parameters, sources, spec, ())
+
+
+def plan_construct(plan: Plan, refined: Sequence[WorkItem]) -> list[WorkItem]:
+    """Construction of pairs with refined trunks, in order."""
     of = plan.recipes["construct"]
     work = []
-    for cross in crs:
-        p, q = cross.members
+    for item in refined:
+        p, q = item.members
         names = (plan.items[p].name, plan.items[q].name)
-        spec = ((cross.spec[0], names[0]), (cross.spec[1], names[1]))
-        sources = (*cross.sources[:2], cross.reference)
-        work.append(WorkItem(of.parts([cross.key], names), of.parameters, sources, spec, (p, q)))
+        spec = ((item.spec[0], names[0]), (item.spec[1], names[1]))
+        sources = (*item.sources, item.reference)
+        work.append(WorkItem(of.parts([item.key], names), of.parameters, sources, spec, (p, q)))
     return work
 
 

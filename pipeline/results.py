@@ -24,10 +24,10 @@ from riot.shape import FloatArray, IntArray
 
 Row = dict[str, Any]
 
-OF_PAIRS = ("crs", "construct", "motion")
+OF_PAIRS = ("crs", "refine", "construct", "motion")
 """Stages whose work items concern a pair."""
 
-NOT_BY_SHAPE = ("qcrs", "shards", "partners", "pairs", "select")
+NOT_BY_SHAPE = ("qcrs", "shards", "partners", "pairs", "select", "shortlist")
 """Stages whose artifacts have no errors of single shapes."""
 
 

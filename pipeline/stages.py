@@ -61,8 +61,10 @@ STAGES = (
     Stage("pairs", ("qcrs.k",), "collection of pairs"),
     Stage("select", ("select",), "selection"),
     Stage("trunks_full", ("trunks",), "shapes", bundle=16),
-    Stage("crs", ("crs", "construct.candidates"), "pairs", bundle=4),
-    Stage("construct", ("construct",), "pairs"),
+    Stage("crs", ("crs", "refine.candidates"), "pairs", bundle=4),
+    Stage("refine", ("refine",), "pairs", bundle=4),
+    Stage("shortlist", ("select",), "selection"),
+    Stage("construct", ("construct", "refine.reach"), "pairs"),
     Stage("motion", ("motion",), "certified transforms", bundle=16),
 )
 

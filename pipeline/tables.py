@@ -87,7 +87,7 @@ QCRS = _schema(
 )
 
 SELECTED = _schema(
-    "The pairs that went on to CRS and construction, best QCRS first.",
+    "The pairs that went on to CRS and refined trunks, best QCRS first.",
     _column("rank", pa.int32(), "1 = the best QCRS", "rank"),
     *_PAIR,
     *_NAMES,
@@ -108,6 +108,7 @@ CRS = _schema(
     _column("trunks_i", pa.int32(), "full trunks of i", "count"),
     _column("trunks_j", pa.int32(), "full trunks of j", "count"),
     _column("evaluations", pa.int64(), "area terms evaluated", "count"),
+    _column("bound", pa.float64(), "greatest IoU of the worse shape on refined trunks, 0 = no trunks will do", RATIO),
 )
 
 TRANSFORMS = _schema(

@@ -23,6 +23,7 @@ from pipeline.work.construct import DEFORMATION, RESIDUALS
 from pipeline.work.crs import unpack_scores
 from pipeline.work.motion import COLUMNS as MOTION
 from pipeline.work.qcrs import COLUMNS
+from pipeline.work.refine import bound
 from riot.cross import NO_SCORE, CrossScore
 from riot.polyline import edge_lengths
 
@@ -198,11 +199,12 @@ def _selected(results: Results) -> Iterator[Row]:
 
 
 def _crs(results: Results) -> Iterator[Row]:
+    refined = {item.members: item for item in results.work["refine"]}
     for rank, item in enumerate(results.work["crs"], start=1):
         artifact = results.artifact(item)
         if artifact is None:
             continue
-        best = _best_score(artifact)
+        best, trunks = _best_score(artifact), results.artifact(refined[item.members])
         yield {
             "rank": rank,
             **_pair(results, item.members),
@@ -211,6 +213,7 @@ def _crs(results: Results) -> Iterator[Row]:
             "trunk_j": best.trunk_b.tolist(),
             "trunks_i": artifact.document["trunks_p"],
             "trunks_j": artifact.document["trunks_q"],
+            "bound": None if trunks is None else bound(trunks),
         }
 
 
@@ -240,7 +243,9 @@ def _write_transforms(results: Results, folder: Path) -> list[Path]:
 def _transform_rows(results: Results) -> list[Row]:
     rows = []
     motions = {item.members: results.artifact(item) for item in results.work["motion"]}
-    for selected, (item, cross) in enumerate(zip(results.work["construct"], results.work["crs"], strict=True), start=1):
+    crs = {item.members: (rank, item) for rank, item in enumerate(results.work["crs"], start=1)}
+    for item in results.work["construct"]:
+        selected, cross = crs[item.members]
         made, scored = results.artifact(item), results.artifact(cross)
         if made is None or scored is None or made.document["status"] == "failed":
             continue
