@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -51,23 +52,33 @@ def dissection_tree(cells: Cells, tolerance: float) -> list[TreeArc]:
     return arcs
 
 
-def cell_paths(cells: Cells, arcs: list[TreeArc]) -> list[FloatArray]:
+def cell_walks(n: int, arcs: Sequence[TreeArc]) -> list[list[tuple[int, bool]]]:
+    """For every edge k of a trunk of n, the arcs from corner k to k + 1: which, and whether from start to end."""
+    return [_walk(arcs, k, (k + 1) % n) for k in range(n)]
+
+
+def cell_paths(cells: Cells, arcs: Sequence[TreeArc]) -> list[FloatArray]:
     """For every trunk edge k, the tree's path from corner k to corner k + 1, (l, 2): the boundary of cell k."""
-    n = len(cells.mesh.corners)
-    return [_walk([arc for arc in arcs if k in arc.sides], k, (k + 1) % n) for k in range(n)]
+    points = [arc.points for arc in arcs]
+    return [joined(points, walk) for walk in cell_walks(len(cells.mesh.corners), arcs)]
 
 
-def _walk(around: list[TreeArc], cell: int, last: int) -> FloatArray:
-    parts: list[FloatArray] = []
-    node, left = cell, list(around)
+def joined(points: Sequence[FloatArray], walk: Sequence[tuple[int, bool]]) -> FloatArray:
+    """(l, 2) the arcs with these ``points`` one after another, what they share once."""
+    parts = [points[k] if forwards else points[k][::-1] for k, forwards in walk]
+    return np.concatenate([part if k == 0 else part[1:] for k, part in enumerate(parts)])
+
+
+def _walk(arcs: Sequence[TreeArc], cell: int, last: int) -> list[tuple[int, bool]]:
+    found: list[tuple[int, bool]] = []
+    node, left = cell, [k for k, arc in enumerate(arcs) if cell in arc.sides]
     while node != last:
-        onward = [arc for arc in left if node in (arc.start, arc.end)]
+        onward = [k for k in left if node in (arcs[k].start, arcs[k].end)]
         if len(onward) != 1:
             raise ConstructionError("not-a-tree", f"the boundary of cell {cell} is not one path between its corners")
-        arc = onward[0]
-        left.remove(arc)
+        arc = arcs[onward[0]]
+        left.remove(onward[0])
         forwards = arc.start == node
-        parts.append(arc.points if forwards else arc.points[::-1])
+        found.append((onward[0], forwards))
         node = arc.end if forwards else arc.start
-    joined = [part if k == 0 else part[1:] for k, part in enumerate(parts)]
-    return np.concatenate(joined)
+    return found

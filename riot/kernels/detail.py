@@ -1,0 +1,289 @@
+"""The least-squares system of a dissection tree, and tests of what came of it (theory §8; methods ours).
+
+The unknowns of one tree are the samples inside its arcs, arc by arc, then its junctions. A row of the matrix reaches
+two samples back, a junction's to the first arc that ends in it: a skyline, factored here without a library so that
+results are the same to the last bit on every machine.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from riot.kernels.options import kernel
+from riot.shape import BoolArray, FloatArray, IntArray
+
+BENDABLE = 0.2
+"""Where a line turns by this, radians, it resists half as much: at corners displacements may bend, not between."""
+
+
+@kernel
+def solved(
+    targets: FloatArray,
+    offsets: IntArray,
+    which: IntArray,
+    known: FloatArray,
+    wanted: FloatArray,
+    weights: FloatArray,
+    softness: FloatArray,
+    least: float,
+) -> FloatArray:
+    """(k, 2) samples x that minimise Σ over arcs of ∫ b |d''|² + softness ∫ |d|², plus Σ weights |x − wanted|².
+
+    d = x − ``targets`` (k, 2) is the displacement along an arc; arc i has the samples ``offsets[i]`` to
+    ``offsets[i + 1]``; b is 1, less where ``targets`` turn. ``which`` (k,) is a sample's unknown, shared by the ends
+    that meet in a junction, or −1: then it is ``known`` (k, 2). ``softness`` (k,), 1 / length⁴, weighs positions;
+    ``wanted`` (k, 2) with ``weights`` (k,) draws single samples somewhere. Samples nearer to each other than ``least``
+    count as so far apart, or the system would be too stiff to solve.
+    """
+    count, size = len(targets), which.max() + 1
+    first = np.arange(size)
+    for i in range(len(offsets) - 1):
+        for k in range(offsets[i], offsets[i + 1]):
+            for other in range(max(k - 2, offsets[i]), k):
+                one, two = which[k], which[other]
+                if one >= 0 and two >= 0:
+                    first[max(one, two)] = min(first[max(one, two)], min(one, two))
+    starts = np.zeros(size + 1, dtype=np.int64)
+    for row in range(size):
+        starts[row + 1] = starts[row] + row - first[row] + 1
+    matrix, right = np.zeros(starts[size]), np.zeros((size, 2))
+    one, three = np.array([1.0]), np.empty(3)
+    for i in range(len(offsets) - 1):
+        low, high = offsets[i], offsets[i + 1] - 1
+        for k in range(low, high + 1):
+            before = max(_distance(targets, k - 1, k), least) if k > low else 0.0
+            after = max(_distance(targets, k, k + 1), least) if k < high else 0.0
+            mean = 0.5 * (before + after)
+            _add(matrix, starts, right, which, known, targets, k, one, softness[k] * mean)
+            if weights[k] > 0.0:
+                _add(matrix, starts, right, which, known, wanted, k, one, weights[k])
+            if low < k < high:
+                three[0], three[2] = 1.0 / before, 1.0 / after
+                three[1] = -three[0] - three[2]
+                bent = _turn(targets, k) / BENDABLE
+                _add(matrix, starts, right, which, known, targets, k - 1, three, 1.0 / (mean * (1.0 + bent * bent)))
+    _factor(matrix, starts, first)
+    _substitute(matrix, starts, first, right)
+    out = known.copy()
+    for k in range(count):
+        if which[k] >= 0:
+            out[k] = right[which[k]]
+    return out
+
+
+@kernel
+def _turn(points: FloatArray, k: int) -> float:
+    """Change of direction at vertex k, radians."""
+    ax, ay = points[k, 0] - points[k - 1, 0], points[k, 1] - points[k - 1, 1]
+    bx, by = points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1]
+    return float(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
+
+
+@kernel
+def _distance(points: FloatArray, i: int, j: int) -> float:
+    x, y = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1]
+    return float(np.sqrt(x * x + y * y))
+
+
+@kernel
+def _add(
+    matrix: FloatArray,
+    starts: IntArray,
+    right: FloatArray,
+    which: IntArray,
+    known: FloatArray,
+    wanted: FloatArray,
+    k: int,
+    factors: FloatArray,
+    weight: float,
+) -> None:
+    """Add weight |Σ factors (x − wanted)|² over the samples from k on to the normal equations."""
+    for axis in range(2):
+        rest = 0.0
+        for i in range(len(factors)):
+            rest += factors[i] * wanted[k + i, axis]
+            if which[k + i] < 0:
+                rest -= factors[i] * known[k + i, axis]
+        for i in range(len(factors)):
+            if which[k + i] >= 0:
+                right[which[k + i], axis] += weight * factors[i] * rest
+    for i in range(len(factors)):
+        for j in range(len(factors)):
+            row, column = which[k + i], which[k + j]
+            if row >= column >= 0:
+                matrix[starts[row + 1] - 1 - (row - column)] += weight * factors[i] * factors[j]
+
+
+@kernel
+def _factor(matrix: FloatArray, starts: IntArray, first: IntArray) -> None:
+    """Cholesky in place: row r holds its columns ``first[r]`` to r."""
+    for row in range(len(first)):
+        base = starts[row] - first[row]
+        for column in range(first[row], row + 1):
+            other = starts[column] - first[column]
+            total = matrix[base + column]
+            for k in range(max(first[row], first[column]), column):
+                total -= matrix[base + k] * matrix[other + k]
+            if column == row:
+                matrix[base + row] = np.sqrt(total)
+            else:
+                matrix[base + column] = total / matrix[other + column]
+
+
+@kernel
+def _substitute(matrix: FloatArray, starts: IntArray, first: IntArray, right: FloatArray) -> None:
+    size = len(first)
+    for row in range(size):
+        base = starts[row] - first[row]
+        for axis in range(2):
+            total = right[row, axis]
+            for k in range(first[row], row):
+                total -= matrix[base + k] * right[k, axis]
+            right[row, axis] = total / matrix[base + row]
+    for row in range(size - 1, -1, -1):
+        base = starts[row] - first[row]
+        for axis in range(2):
+            right[row, axis] /= matrix[base + row]
+            for k in range(first[row], row):
+                right[k, axis] -= matrix[base + k] * right[row, axis]
+
+
+@kernel
+def collisions(points: FloatArray, offsets: IntArray, ends: IntArray, clearance: float) -> BoolArray:
+    """(k,) which samples of polylines begin or end a segment that comes within ``clearance`` of another.
+
+    Polyline i is samples ``offsets[i]`` to ``offsets[i + 1]`` with the nodes ``ends[i]`` at its ends. Segments that
+    share a sample or a node must only not fold back on each other; repeated ones do.
+    """
+    count = len(points)
+    owner = np.empty(count, dtype=np.int64)
+    boxes = np.empty((count, 4))
+    segments = np.empty(count, dtype=np.int64)
+    size = 0
+    for i in range(len(offsets) - 1):
+        for k in range(offsets[i], offsets[i + 1] - 1):
+            owner[k] = i
+            segments[size] = k
+            size += 1
+            for axis in range(2):
+                boxes[k, axis] = min(points[k, axis], points[k + 1, axis]) - clearance
+                boxes[k, 2 + axis] = max(points[k, axis], points[k + 1, axis])
+    order = segments[:size][np.argsort(boxes[segments[:size], 0], kind="mergesort")]
+    found = np.zeros(count, dtype=np.bool_)
+    for p in range(size):
+        one = order[p]
+        for q in range(p + 1, size):
+            two = order[q]
+            if boxes[two, 0] > boxes[one, 2]:
+                break
+            if boxes[two, 1] > boxes[one, 3] or boxes[one, 1] > boxes[two, 3]:
+                continue
+            if _collide(points, offsets, ends, owner, min(one, two), max(one, two), clearance):
+                found[one] = found[one + 1] = found[two] = found[two + 1] = True
+    return found
+
+
+@kernel
+def _collide(
+    points: FloatArray, offsets: IntArray, ends: IntArray, owner: IntArray, one: int, two: int, clearance: float
+) -> bool:
+    first, second = owner[one], owner[two]
+    if first == second and two == one + 1:
+        return _folded(points, one + 1, one, two + 1)
+    shared = False
+    for s in range(2):
+        at_one = offsets[first] if s == 0 else offsets[first + 1] - 2
+        for t in range(2):
+            at_two = offsets[second] if t == 0 else offsets[second + 1] - 2
+            if (first != second or s != t) and ends[first, s] == ends[second, t] and one == at_one and two == at_two:
+                shared = True
+                if _folded(points, one + s, one + 1 - s, two + 1 - t):
+                    return True
+    if shared:
+        return False
+    return _near(points, one, two, clearance)
+
+
+@kernel
+def _folded(points: FloatArray, middle: int, one: int, two: int) -> bool:
+    """Whether the way from ``one`` over ``middle`` to ``two`` turns back on itself, or stands still."""
+    ax, ay = points[one, 0] - points[middle, 0], points[one, 1] - points[middle, 1]
+    bx, by = points[two, 0] - points[middle, 0], points[two, 1] - points[middle, 1]
+    dot, cross = ax * bx + ay * by, ax * by - ay * bx
+    return bool(dot >= 0.0 and abs(cross) <= 1e-4 * dot)
+
+
+@kernel
+def _near(points: FloatArray, one: int, two: int, clearance: float) -> bool:
+    """Whether two segments, each from its sample to the next, cross or come within ``clearance``."""
+    a, b, c, d = points[one], points[one + 1], points[two], points[two + 1]
+    if _side(a, b, c) * _side(a, b, d) < 0.0 and _side(c, d, a) * _side(c, d, b) < 0.0:
+        return True
+    square = min(min(_square(a, b, c), _square(a, b, d)), min(_square(c, d, a), _square(c, d, b)))
+    return bool(square <= clearance * clearance)
+
+
+@kernel
+def _side(a: FloatArray, b: FloatArray, x: FloatArray) -> float:
+    return float((b[0] - a[0]) * (x[1] - a[1]) - (b[1] - a[1]) * (x[0] - a[0]))
+
+
+@kernel
+def _square(a: FloatArray, b: FloatArray, x: FloatArray) -> float:
+    """Squared distance of x from the segment a–b."""
+    ex, ey = b[0] - a[0], b[1] - a[1]
+    square = ex * ex + ey * ey
+    u = 0.0 if square == 0.0 else ((x[0] - a[0]) * ex + (x[1] - a[1]) * ey) / square
+    u = min(1.0, max(0.0, u))
+    dx, dy = x[0] - a[0] - u * ex, x[1] - a[1] - u * ey
+    return float(dx * dx + dy * dy)
+
+
+@kernel
+def difference(path: FloatArray, arc: FloatArray, lines: int) -> float:
+    """Area that lies inside just one of two regions, between their common chord and ``path`` (l, 2) or ``arc`` (m, 2).
+
+    Both run from one end of the chord to the other. By horizontal scanlines, with the even-odd rule.
+    """
+    m, k = len(path), len(arc)
+    count = m + k - 2
+    points = np.empty((count + 1, 2))
+    points[:m] = path
+    for i in range(1, k):
+        points[m - 1 + i] = arc[k - 1 - i]
+    low, high = points[:, 1].min(), points[:, 1].max()
+    step = (high - low) / lines
+    if step <= 0.0:
+        return 0.0
+    # An edge crosses the scanlines, at low + (line + ½) step, from its lower end (included) to its upper (excluded).
+    starts = np.zeros(lines + 1, dtype=np.int64)
+    spans = np.empty((count, 2), dtype=np.int64)
+    for i in range(count):
+        y0, y1 = min(points[i, 1], points[i + 1, 1]), max(points[i, 1], points[i + 1, 1])
+        spans[i, 0] = max(int(np.ceil((y0 - low) / step - 0.5)), 0)
+        spans[i, 1] = min(int(np.ceil((y1 - low) / step - 0.5)), lines)
+        for line in range(spans[i, 0], spans[i, 1]):
+            starts[line + 1] += 1
+    for line in range(lines):
+        starts[line + 1] += starts[line]
+    crossings, filled = np.empty(starts[lines]), starts[:lines].copy()
+    for i in range(count):
+        for line in range(spans[i, 0], spans[i, 1]):
+            y = low + (line + 0.5) * step
+            share = (y - points[i, 1]) / (points[i + 1, 1] - points[i, 1])
+            crossings[filled[line]] = points[i, 0] + share * (points[i + 1, 0] - points[i, 0])
+            filled[line] += 1
+    total = 0.0
+    for line in range(lines):
+        row = np.sort(crossings[starts[line] : starts[line + 1]])
+        for s in range(0, len(row) - 1, 2):
+            total += row[s + 1] - row[s]
+    return float(total * step)
+
+
+def warm() -> None:
+    """Compile the kernels on a bent line."""
+    points = np.array([[0.0, 0.0], [0.5, 0.1], [1.0, 0.0]])
+    solved(points, np.array([0, 3]), np.array([-1, 0, -1]), points, points, np.zeros(3), np.ones(3), 0.1)
+    collisions(points, np.array([0, 3]), np.array([[0, 1]]), 1e-6)
+    difference(points, points, 4)
