@@ -31,7 +31,7 @@ from rich.console import Console
 from rich.table import Table
 from table import WIDTH
 
-from riot.construct.choose import construct_best, given_pair
+from riot.construct.choose import construct_plans, given_pair, refine_best
 from riot.construct.exact import construct_plan
 from riot.construct.laplacian import construct_laplacian
 from riot.construct.laplacian.residual import residuals
@@ -39,7 +39,7 @@ from riot.construct.plan import Plan, TrunkPair, plan_pair
 from riot.cross import best_trunk_pairs
 from riot.errors import RiotError
 from riot.kernels.warm import warm_all
-from riot.parameters import ConstructParameters
+from riot.parameters import ConstructParameters, RefineParameters
 from riot.quick import score_block, stack
 from riot.shape import Shape
 from riot.silhouette import read
@@ -49,7 +49,7 @@ from riot.trunks import full_trunks, quick_trunks
 FORMAT = 1
 """Version of the JSON."""
 
-PARAMETERS = ConstructParameters()
+PARAMETERS, REFINEMENT = ConstructParameters(), RefineParameters()
 
 QUANTILES = {"median": 0.5, "p90": 0.9, "worst": 1.0}
 """Of figures that are better the smaller; of the others the same from the other end."""
@@ -94,7 +94,7 @@ Way = Callable[[Plan], Transform]
 WAYS: dict[str, Way] = {
     "paper": lambda plan: construct_laplacian(plan, PARAMETERS),
     "exact": lambda plan: construct_plan(plan, PARAMETERS),
-    "exact, refined": lambda plan: construct_best([plan.pair], PARAMETERS),
+    "exact, refined": lambda plan: construct_plans(refine_best([plan], REFINEMENT), [], PARAMETERS),
 }
 
 
@@ -167,8 +167,8 @@ def _plans_of_run(folder: Path, count: int) -> list[Plan]:
             break
         made = Transform.load(path)
         try:
-            pair = given_pair(made.p, made.q, made.trunk_p, made.trunk_q, PARAMETERS)
-            plans.append(plan_pair(pair, PARAMETERS))
+            pair = given_pair(made.p, made.q, made.trunk_p, made.trunk_q, PARAMETERS.snap, REFINEMENT.reach)
+            plans.append(plan_pair(pair))
         except RiotError as error:
             print(f"{path.name}: {error}", file=sys.stderr)
     return plans
@@ -198,9 +198,9 @@ def _first_plan(p: Shape, q: Shape) -> Plan | None:
     trunks_p, trunks_q = full_trunks(p), full_trunks(q)
     if len(trunks_p) == 0 or len(trunks_q) == 0:
         return None
-    for score in best_trunk_pairs(p, q, trunks_p, trunks_q, count=PARAMETERS.candidates):
+    for score in best_trunk_pairs(p, q, trunks_p, trunks_q, count=REFINEMENT.candidates):
         try:
-            return plan_pair(TrunkPair(p, q, p.points, q.points, score.trunk_a, score.trunk_b), PARAMETERS)
+            return plan_pair(TrunkPair(p, q, p.points, q.points, score.trunk_a, score.trunk_b, REFINEMENT.reach))
         except RiotError:
             continue
     return None

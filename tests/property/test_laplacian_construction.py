@@ -37,7 +37,7 @@ def blob_plan() -> Plan:
     for score in best_trunk_pairs(a, b, count=16):
         pair = TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b)
         try:
-            plan = plan_pair(pair, PARAMETERS)
+            plan = plan_pair(pair)
             construct_plan(plan, PARAMETERS)
         except ValueError:
             continue
@@ -130,8 +130,8 @@ def test_an_arc_beyond_its_own_edge_is_laid_on_it() -> None:
 def test_exact_pairs_come_back_as_they_are(n: int, seed: int) -> None:
     pair = exact_pair(n, seed)
     p, q = pair_shapes(pair)
-    trunks = given_pair(p, q, p.from_source(pair.trunk_p), q.from_source(pair.trunk_q), PARAMETERS)
-    made = construct_laplacian(plan_pair(trunks, PARAMETERS), PARAMETERS)
+    trunks = given_pair(p, q, p.from_source(pair.trunk_p), q.from_source(pair.trunk_q), PARAMETERS.snap, 0.0)
+    made = construct_laplacian(plan_pair(trunks), PARAMETERS)
     assert max(each.total for each in residuals(made)) < 1e-3
     assert made.deformation().iou > 0.999
 
