@@ -112,17 +112,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     size = SIZES[chosen.size]
     wanted, count = chosen.pairs or size.pairs, chosen.shapes or size.shapes
 
-    warm_all(lambda message: print(message, file=sys.stderr))
-    if chosen.transforms:
-        plans = _plans_of_run(chosen.transforms, wanted)
-        if not plans:
-            parser.error(f"no .riot file that can be constructed on under {chosen.transforms}")
-    else:
-        with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder:
+        if chosen.transforms:
+            paths = sorted(chosen.transforms.rglob("*.riot"))
+            if not paths:
+                parser.error(f"no .riot file under {chosen.transforms}")
+        else:
             paths = pictures(chosen.root, count) if chosen.root else render(count, Path(folder))
             if len(paths) < 2:
                 parser.error(f"fewer than two pictures under {chosen.root}")
-            plans = _plans_of_pictures(paths, wanted)
+        warm_all(lambda message: print(message, file=sys.stderr))
+        plans = (_plans_of_run if chosen.transforms else _plans_of_pictures)(paths, wanted)
     found = compare(plans)
     show(found)
     if chosen.json:
@@ -159,10 +159,10 @@ def _figures(made: Transform | None, ms: float) -> Figures | None:
     )
 
 
-def _plans_of_run(folder: Path, count: int) -> list[Plan]:
-    """Plans on the trunks that the first transforms of a folder, by name, were constructed from."""
+def _plans_of_run(paths: Sequence[Path], count: int) -> list[Plan]:
+    """Plans on the trunks that the first of these transforms were constructed from."""
     plans: list[Plan] = []
-    for path in sorted(folder.rglob("*.riot")):
+    for path in paths:
         if len(plans) == count:
             break
         made = Transform.load(path)
