@@ -80,9 +80,9 @@ def add_detail(
             np.where(pull.weights[:, None] > 0.0, pull.wanted, drawn.wanted),
             np.where(pull.weights > 0.0, pull.weights, drawn.weights),
         )
-    best, limit = match.targets, parameters.max_loss if pull is None else np.inf
+    best, limit, smallest = match.targets, parameters.max_loss if pull is None else np.inf, np.inf
     for accuracy in parameters.accuracy:
-        best = solved(
+        x = solved(
             match.targets,
             match.offsets,
             match.which,
@@ -92,16 +92,19 @@ def add_detail(
             _softness(match, accuracy, parameters),
             0.1 * parameters.step * L_C,
         )
-        best = np.where(match.fixed[:, None], best, _inside(best, corners))
-        points, kept = _thinned(best, match.offsets)
-        if _losses([joined(points, walk) for walk in match.walks], arcs, parameters) - least <= limit:
+        x = np.where(match.fixed[:, None], x, _inside(x, corners))
+        points, _ = _thinned(x, match.offsets)
+        loss = _losses([joined(points, walk) for walk in match.walks], arcs, parameters) - least
+        if loss < smallest:
+            best, smallest = x, loss
+        # What is pinned must not cost more around it than it has to.
+        if loss <= limit < np.inf:
             break
     free = ~match.fixed & (True if pull is None else pull.weights == 0.0)
     middle = _middle(match, parameters.step * L_C)
     away = np.hypot(*(middle - best).T)
     back = np.zeros(count)
     cap = 2.0 * float(away.max())
-    x = best
     for rounds in range(ROUNDS):
         x = np.where(match.fixed[:, None], best, _inside(best + back[:, None] * (middle - best), corners))
         points, kept = _thinned(x, match.offsets)

@@ -72,7 +72,7 @@ def pinned_paths(dissection: Dissection, outer: FloatArray, pins: Sequence[Pin],
                 raise ConstructionError(
                     "pins",
                     f"pin {k} of {name} cannot be met (missed by {far:.2g}, allowed {TOLERANCE:.2g}): another is "
-                    "across the same cut, or the cut would cross another; move it, or pin less",
+                    "across the same cut, or the cut would cross another or leave the trunk; move it, or pin less",
                 )
     return paths
 

@@ -1,0 +1,189 @@
+"""Pins: kept and drawn stretches are met, the certificate passes, nothing else moves far (theory §8)."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+from functools import cache
+from unittest import mock
+
+import numpy as np
+import pytest
+import shapely
+from blobs import blob
+
+from riot import ConstructionError, FormatError, Shape, construct
+from riot.construct.draft import Draft, draft_plan
+from riot.construct.match import LEAF
+from riot.construct.pinning import TOLERANCE
+from riot.construct.pins import Pin, Pins, draw, keep, load_pins, pins_from_json
+from riot.construct.plan import Plan
+from riot.cross import best_trunk_pairs
+from riot.parameters import L_C, ConstructParameters
+from riot.shape import FloatArray
+
+
+@cache
+def blob_draft() -> Draft:
+    """Of two blobs that are no exact pair."""
+    a, b = blob(1), blob(2)
+    drafts: list[Draft] = []
+
+    def record(plan: Plan, parameters: ConstructParameters) -> Draft:
+        drafts.append(draft_plan(plan, parameters))
+        return drafts[-1]
+
+    with mock.patch.object(importlib.import_module("riot.construct.exact"), "draft_plan", record):
+        for score in best_trunk_pairs(a, b, count=16):
+            with contextlib.suppress(ConstructionError):
+                construct(a, b, (a.points[score.trunk_a], b.points[score.trunk_b]))
+                return drafts[-1]
+    raise AssertionError("no trunk pair of the two blobs can be constructed on")
+
+
+def stretches(shape: Shape, trunk: FloatArray, length: int) -> list[FloatArray]:
+    """Runs of ``length`` outline points that stay clear of the trunk's vertices."""
+    found = []
+    for start in range(0, len(shape.points), length):
+        run = shape.points[np.arange(start, start + length) % len(shape.points)]
+        if np.hypot(*(run[:, None] - trunk[None]).transpose(2, 0, 1)).min() > 1.5 * LEAF * L_C:
+            found.append(run)
+    return found
+
+
+def apart(points: FloatArray, outline: FloatArray) -> float:
+    return float(shapely.distance(shapely.points(points), shapely.LinearRing(outline)).max())
+
+
+@cache
+def moved_most() -> FloatArray:
+    """The run of P's outline that is missed by most, of those whose piece keeps it inside the trunk it swings into."""
+    draft = blob_draft()
+    made = draft.transform()
+    for run in sorted(stretches(made.p, made.trunk_p, 6), key=lambda run: -apart(run, made.outline_p())):
+        with contextlib.suppress(ConstructionError):
+            draft.transform(Pins(p=(keep(run),)))
+            return run
+    raise AssertionError("no stretch of the blob can be kept")
+
+
+def test_a_kept_stretch_is_met_and_was_not_before() -> None:
+    draft = blob_draft()
+    free = draft.transform()
+    run = moved_most()
+    made = draft.transform(Pins(p=(keep(run),)))
+    assert made.certificate().passed
+    assert apart(run, free.outline_p()) > 10.0 * TOLERANCE
+    assert apart(run, made.outline_p()) <= TOLERANCE
+    # Q's outline lives in the other tree.
+    for one, two in zip(made.pieces, free.pieces, strict=True):
+        assert np.array_equal(one.upper, two.upper)
+
+
+def test_pins_of_both_shapes_are_met_together() -> None:
+    draft = blob_draft()
+    made = draft.transform()
+    run_p = moved_most()
+    run_q = min(stretches(made.q, made.trunk_q, 4), key=lambda run: apart(run, made.outline_q()))
+    made = draft.transform(Pins((keep(run_p),), (keep(run_q),)))
+    assert made.certificate().passed
+    assert apart(run_p, made.outline_p()) <= TOLERANCE
+    assert apart(run_q, made.outline_q()) <= TOLERANCE
+
+
+def test_a_kept_point_keeps_the_boundary_around_it() -> None:
+    draft = blob_draft()
+    point = moved_most()[3]
+    assert apart(point[None], draft.transform(Pins(p=(keep(point),))).outline_p()) <= TOLERANCE
+
+
+def test_the_order_of_a_stretch_does_not_matter() -> None:
+    draft = blob_draft()
+    run = moved_most()
+    one, other = (draft.transform(Pins(p=(keep(points),))) for points in (run[[0, -1]], run[[-1, 0]]))
+    assert np.array_equal(one.outline_p(), other.outline_p())
+
+
+def bump(run: FloatArray, height: float) -> FloatArray:
+    """A line over a stretch of outline, ``height`` off its middle."""
+    ahead = run[-1] - run[0]
+    normal = np.array([ahead[1], -ahead[0]]) / np.hypot(*ahead)
+    return np.array([run[0], run[len(run) // 2] + height * normal, run[-1]])
+
+
+@pytest.mark.parametrize("height", [0.01, -0.01])
+def test_a_drawn_line_replaces_the_outline(height: float) -> None:
+    draft = blob_draft()
+    line = bump(moved_most(), height)
+    made = draft.transform(Pins(p=(draw(line),)))
+    assert made.certificate().passed
+    even = shapely.line_interpolate_point(shapely.LineString(line), np.linspace(0.0, 1.0, 20), normalized=True)
+    assert shapely.distance(even, shapely.LinearRing(made.outline_p())).max() <= TOLERANCE
+
+
+def test_without_pins_nothing_changes() -> None:
+    draft = blob_draft()
+    for one, two in zip(draft.transform(Pins()).pieces, draft.transform().pieces, strict=True):
+        assert np.array_equal(one.polygon, two.polygon)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda run, shape: keep([3.0, 3.0]), "lies .* from the outline"),
+        (lambda run, shape: draw(shape.points[[0, len(shape.points) // 2]]), "hinge is between its ends"),
+        (lambda run, shape: draw(bump(run, -9.0)), "leaves the trunk|crosses the outline"),
+    ],
+)
+def test_what_cannot_be_pinned_is_refused_with_the_reason(change: object, words: str) -> None:
+    draft = blob_draft()
+    run = moved_most()
+    with pytest.raises(ConstructionError, match=words) as caught:
+        draft.transform(Pins(p=(change(run, draft.plan.pair.p),)))  # type: ignore[operator]
+    assert caught.value.reason == "pins"
+    assert "pin 0 of blob-1" in str(caught.value)
+
+
+def text(**changes: object) -> str:
+    document = {"format": "riot-pins", "version": 1, "frame": "source", "p": [{"keep": [[1.0, 2.0]]}], "q": []}
+    return json.dumps({**document, **changes})
+
+
+def test_a_pins_file_is_read_in_the_sources_coordinates(tmp_path: object) -> None:
+    p, q = blob(1), blob(2)
+    path = tmp_path / "pins.json"  # type: ignore[operator]
+    line = [[0.0, 1.0], [2.0, 3.0]]
+    path.write_text(text(q=[{"draw": line}]), encoding="utf-8")
+    found = load_pins(path, p, q)
+    assert p.source(found.p[0].points) == pytest.approx(np.array([[1.0, 2.0]]))
+    assert q.source(found.q[0].points) == pytest.approx(np.array(line))
+    assert found.q[0].drawn
+    assert not found.p[0].drawn
+    in_frame = pins_from_json(text(frame="shape"), p, q)
+    assert np.array_equal(in_frame.p[0].points, [[1.0, 2.0]])
+
+
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        ("{", "not JSON"),
+        ("[1]", '"format": "riot-pins"'),
+        (text(version=2), "version"),
+        (text(frame="pixels"), "source"),
+        (text(r=[]), '"r" means nothing'),
+        (text(p={}), "not a list"),
+        (text(p=[{"hold": []}]), "pin 0 of p"),
+        (text(p=[{"keep": [[1, "a"]]}]), "pin 0 of p"),
+        (text(q=[{"draw": [[1, 2]]}]), "at least 2"),
+    ],
+)
+def test_a_wrong_pins_file_is_refused_with_what_to_do(written: str, words: str) -> None:
+    with pytest.raises(FormatError, match=words):
+        pins_from_json(written, blob(1), blob(2), "pins.json")
+
+
+def test_a_pin_of_no_points_is_refused() -> None:
+    for points, drawn in ((np.zeros((0, 2)), False), (np.zeros((1, 2)), True), (np.array([[np.nan, 0.0]]), False)):
+        with pytest.raises(ValueError, match="finite"):
+            Pin(points, drawn)
