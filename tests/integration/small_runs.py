@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from PIL import Image, ImageDraw
 
 CLEAN, BAD_START, WITH_ERRORS, INTERRUPTED = 0, 2, 3, 130
-QUICK = ("batch=4", "select.top=3", "refine.candidates=2", "select.per_shape=2")
+QUICK = ("batch=4", "select.top=3", "refine.candidates=2", "select.per_shape=2", "select.breadth=2")
 TIMED = {"timings.parquet", "run.json", "report.html"}
 """Files that hold times, and so differ between equal runs."""
 

@@ -61,7 +61,7 @@ def configure(root: Path, where: Path, store: Path, **groups: object) -> Config:
         "batch": 4,
         "cluster": {"kind": "sync"},
         "construct": {"candidates": 1, "attempts": 1},
-        "select": {"top": 3},
+        "select": {"top": 3, "breadth": 1},
     }
     return make_config({**values, **groups})
 
@@ -114,7 +114,7 @@ def test_the_pairs_are_the_best_of_all(
 def test_with_enough_partners_the_selection_is_that_of_all_pairs(
     policy: str, root: Path, store: Path, tmp_path: Path
 ) -> None:
-    select = {"policy": policy, "top": 5}
+    select = {"policy": policy, "top": 5, "breadth": 1}
     whole = mine(configure(root, tmp_path / "all", store, select=select))
     found = mine(configure(root, tmp_path / "topk", store, select=select, qcrs={"mode": "topk", "k": 30}))
     pd.testing.assert_frame_equal(found.selected, whole.selected, check_exact=True)
