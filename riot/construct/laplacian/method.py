@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from riot.construct.plan import Plan
 
 SPACING = L_C / 200
-"""Points are put between those of the arcs until they are closer than this (ours)."""
+"""Points are put between those of the arcs until they are closer than this, before each round (ours)."""
 
 MOST_STEPS = 1000
 """Of a phase, at most (ours); some 200 are enough for most trunks."""
@@ -90,6 +90,8 @@ def tile(
     for _ in range(MOST_ROUNDS):
         if residuals[-1].total < TOLERANCE:
             break
+        # What has been stretched needs points again: an edge across another piece has none that lies in it.
+        arcs = Arcs.of(trunk, [_dense(arcs.arc(i)) for i in range(len(arcs))])
         steps = part_overlaps(arcs, MOST_STEPS) + close_gaps(arcs, MOST_STEPS)
         residuals.append(arcs.residual(parameters.lines))
         gain = least - residuals[-1].total
