@@ -31,10 +31,11 @@ from rich.console import Console
 from rich.table import Table
 from table import WIDTH
 
-from riot.construct.choose import construct_plans, given_pair, refine_best
-from riot.construct.exact import construct_plan
+from riot.construct.choose import construct_plans, refine_best
+from riot.construct.given import given_pair
 from riot.construct.laplacian import construct_laplacian
 from riot.construct.laplacian.residual import residuals
+from riot.construct.make import construct_plan
 from riot.construct.plan import Plan, TrunkPair, plan_pair
 from riot.cross import best_trunk_pairs
 from riot.errors import RiotError

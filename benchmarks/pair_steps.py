@@ -16,10 +16,10 @@ from overlay import overlay_best_trunk_pairs
 from shape_steps import Shapes
 from table import Row, row
 
-from riot.construct import construct_scored
+from riot.construct.choose import construct_plans, refine_scored
 from riot.cross import AREA_SLACK, CrossScore, best_trunk_pairs
 from riot.kernels.coverage import area_terms
-from riot.parameters import CrsParameters, RefineParameters
+from riot.parameters import ConstructParameters, CrsParameters, RefineParameters
 from riot.quick import BlockScores, TrunkStack, brute_force, score_block, stack
 from riot.shape import Shape
 from riot.transform import Transform
@@ -226,7 +226,7 @@ def _construct_row(ready: Sequence[tuple[Pair, list[CrossScore]]], size: Size, c
 
 def _construct(item: tuple[Pair, list[CrossScore]]) -> Transform:
     pair, scores = item
-    transform = construct_scored(pair.p, pair.q, scores)
+    transform = construct_plans(*refine_scored(pair.p, pair.q, scores, RefineParameters()), ConstructParameters())
     transform.certificate()
     transform.deformation()
     return transform

@@ -7,7 +7,7 @@ two; `trunks` lists the convex polygons on which a dissection may rest; `constru
 `Transform`.
 """
 
-from riot.construct import construct
+from riot.construct import Pins, alternatives, construct, load_pins
 from riot.cross import CrossScore, crs
 from riot.errors import ConstructionError, FormatError, RiotError, SilhouetteError, TrunkError
 from riot.quick import QuickScore, qcrs
@@ -20,6 +20,7 @@ __all__ = [
     "ConstructionError",
     "CrossScore",
     "FormatError",
+    "Pins",
     "QuickScore",
     "Reversibility",
     "RiotError",
@@ -28,8 +29,10 @@ __all__ = [
     "Transform",
     "TrunkError",
     "Trunks",
+    "alternatives",
     "construct",
     "crs",
+    "load_pins",
     "qcrs",
     "reversibility",
     "trunks",

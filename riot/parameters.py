@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 L_C = 2.0 * math.sqrt(math.pi)
 """Perimeter of the unit-area circle, the unit of boundary lengths."""
@@ -128,8 +129,10 @@ class RefineParameters:
 
 @dataclass(frozen=True)
 class ConstructParameters:
-    """Exact construction (theory §8; all ours)."""
+    """Construction (theory §8; all ours but the method "laplacian")."""
 
+    method: Literal["exact", "laplacian"] = "exact"
+    """``exact``: the trunk is partitioned. ``laplacian``: the paper's (§4.3); pieces overlap and leave gaps."""
     attempts: int = 2
     """The most promising plans are constructed until so many succeed; the one of least deformation is taken."""
     spacing: float = 400.0

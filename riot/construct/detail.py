@@ -80,7 +80,8 @@ def add_detail(
             np.where(pull.weights[:, None] > 0.0, pull.wanted, drawn.wanted),
             np.where(pull.weights > 0.0, pull.weights, drawn.weights),
         )
-    best, limit, smallest = match.targets, parameters.max_loss if pull is None else np.inf, np.inf
+    best, smallest = match.targets, np.inf
+    limit = min(parameters.max_loss, parameters.max_share * least) if pull is None else np.inf
     for accuracy in parameters.accuracy:
         x = solved(
             match.targets,

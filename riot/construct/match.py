@@ -42,7 +42,9 @@ class DetailParameters:
     contract: float = 0.00375
     """Junctions with less tree than this between them are one: the partition cannot tell a cross from a short bar."""
     max_loss: float = 0.002
-    """The area that changes hands against the middle lines, which lose least, may be this much more."""
+    """The area that changes hands against the middle lines, which lose least, may be this much more,"""
+    max_share: float = 0.08
+    """and by no more than this share of it."""
     clearance: float = 1e-6
     """Arcs that come closer than this cross."""
     lines: int = 256

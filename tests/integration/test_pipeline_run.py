@@ -155,11 +155,11 @@ def test_one_more_picture_costs_its_own_batch_and_blocks(copied: Path, root: Pat
 def test_a_parameter_redoes_what_reads_it_and_explains(copied: Path, root: Path) -> None:
     explained = run(copied, root, "crs.sigma_area=0.25", "--explain")
     assert explained.returncode == CLEAN
-    assert "crs: 3 of 3 to do" in explained.stdout and "parameters.crs.sigma_area 0.3 → 0.25" in explained.stdout
+    assert "crs: 6 of 6 to do" in explained.stdout and "parameters.crs.sigma_area 0.3 → 0.25" in explained.stdout
     assert "qcrs: all" in explained.stdout
     assert run(copied, root, "crs.sigma_area=0.25", "cluster=sync").returncode == CLEAN
     counts = stages(copied)
-    assert counts["qcrs"]["computed"] == 0 and counts["trunks_full"]["computed"] == 0 and counts["crs"]["computed"] == 3
+    assert counts["qcrs"]["computed"] == 0 and counts["trunks_full"]["computed"] == 0 and counts["crs"]["computed"] == 6
 
 
 def test_a_damaged_artifact_is_made_again(copied: Path, finished: Path, root: Path) -> None:

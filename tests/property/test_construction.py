@@ -14,7 +14,7 @@ from plain_dissection import plain_distances, signed_distances
 
 from riot import ConstructionError, TrunkError, construct
 from riot.construct.conjugate import is_convex, make_conjugate
-from riot.construct.exact import construct_plan
+from riot.construct.make import construct_plan
 from riot.construct.mesh import mesh_convex
 from riot.construct.partition import label_cells
 from riot.construct.plan import TrunkPair, plan_pair

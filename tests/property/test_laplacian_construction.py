@@ -12,13 +12,13 @@ from blobs import blob, pair_shapes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.construct.choose import given_pair
-from riot.construct.exact import construct_plan
+from riot.construct.given import given_pair
 from riot.construct.laplacian import construct_laplacian
 from riot.construct.laplacian.contact import CONTACT, Arcs
 from riot.construct.laplacian.method import tile
 from riot.construct.laplacian.phases import close_gaps, part_overlaps, scale_arcs
 from riot.construct.laplacian.residual import residuals
+from riot.construct.make import construct_plan
 from riot.construct.plan import Plan, TrunkPair, plan_pair
 from riot.cross import best_trunk_pairs
 from riot.groundtruth import dudeney, exact_pair, exact_transform

@@ -34,7 +34,7 @@ def blob_draft() -> Draft:
         drafts.append(draft_plan(plan, parameters))
         return drafts[-1]
 
-    with mock.patch.object(importlib.import_module("riot.construct.exact"), "draft_plan", record):
+    with mock.patch.object(importlib.import_module("riot.construct.make"), "draft_plan", record):
         for score in best_trunk_pairs(a, b, count=16):
             with contextlib.suppress(ConstructionError):
                 construct(a, b, (a.points[score.trunk_a], b.points[score.trunk_b]))

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from blobs import blob, pair_shapes
 
-from riot.construct.choose import given_pair, refine_best
+from riot.construct.choose import refine_best
+from riot.construct.given import given_pair
 from riot.construct.plan import Plan, TrunkPair, plan_pair
 from riot.construct.refine import refine
 from riot.cross import best_trunk_pairs
