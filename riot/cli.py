@@ -1,4 +1,4 @@
-"""The command line: `riot make A B -o DIR`, `riot show FILE.riot`."""
+"""The command line: `riot make A B -o DIR`, `riot trunks A B`, `riot show FILE.riot`."""
 
 from __future__ import annotations
 
@@ -6,19 +6,22 @@ import argparse
 import errno
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from rich.console import Console
 from rich.table import Table
 
-from riot.construct import construct
+from riot.construct import alternatives, construct, construct_plan, load_pins
+from riot.construct.plan import Plan
 from riot.cross import crs
 from riot.draw import animate_svg, draw_strip, write_film
 from riot.draw.film import film_writer
-from riot.errors import RiotError
+from riot.errors import RiotError, TrunkError
 from riot.kernels.warm import warm_all
 from riot.motion import Motion
+from riot.parameters import ConstructParameters
 from riot.quick import qcrs
 from riot.shape import Shape
 from riot.silhouette import read
@@ -47,23 +50,60 @@ def main(arguments: Sequence[str] | None = None, more: Sequence[Callable[[Comman
     return code
 
 
-def make(path_a: Path, path_b: Path, folder: Path, films: Sequence[str] = ()) -> None:
+@dataclass(frozen=True)
+class Wishes:
+    """What else to do than the usual: suffixes of films (.gif, .mp4), the trunk pair by rank, pins, the method."""
+
+    films: tuple[str, ...] = ()
+    rank: int | None = None
+    pins: Path | None = None
+    method: Literal["exact", "laplacian"] = "exact"
+
+
+def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes | None = None) -> None:
     """Construct the transform of two silhouettes and write it to ``folder``: .riot, pictures, animation.
 
-    ``films`` are suffixes (.gif, .mp4) of films to write as well.
+    Raises `riot.errors.TrunkError` if there is no trunk pair of the rank that is wished for.
     """
+    wishes = wishes or Wishes()
+    films = wishes.films
     if ".mp4" in films:
         film_writer()  # before the long work: it raises if there is none
-    a, b = (_named(path, other) for path, other in ((path_a, path_b), (path_b, path_a)))
+    a, b = _inputs(path_a, path_b)
+    pins = None if wishes.pins is None else load_pins(wishes.pins, a, b)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, "a file, where results need a folder", str(folder))
     folder.mkdir(parents=True, exist_ok=True)
     warm_all(lambda text: print(text, file=sys.stderr))
     print(f"QCRS {qcrs(a, b).score:.3f}, CRS {crs(a, b).score:.3f}")
-    transform = construct(a, b).planned()
+    parameters = ConstructParameters(method=wishes.method)
+    if wishes.rank is None:
+        transform = construct(a, b, parameters=parameters, pins=pins)
+    else:
+        transform = construct_plan(_ranked(alternatives(a, b), wishes.rank), parameters, pins)
+    if transform.certificate().passed:
+        transform = transform.planned()
     show(transform)
     for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films):
         print(path)
+
+
+def list_trunks(path_a: Path, path_b: Path) -> None:
+    """Print the trunk pairs of two silhouettes that `make` can be told to use, by rank."""
+    a, b = _inputs(path_a, path_b)
+    warm_all(lambda text: print(text, file=sys.stderr))
+    table = Table(
+        "rank", "pieces", f"IoU {a.name} ≤", f"IoU {b.name} ≤", title="Refined trunk pairs", title_justify="left"
+    )
+    for rank, plan in enumerate(alternatives(a, b), start=1):
+        table.add_row(str(rank), str(len(plan.trunk_p)), f"{plan.bound_p:.4f}", f"{plan.bound_q:.4f}")
+    Console().print(table)
+
+
+def _ranked(plans: Sequence[Plan], rank: int) -> Plan:
+    if not 1 <= rank <= len(plans):
+        raise TrunkError(f"there is no trunk pair of rank {rank}: there are {len(plans)}; `riot trunks A B` lists them")
+    return plans[rank - 1]
 
 
 def show(transform: Transform) -> None:
@@ -82,6 +122,8 @@ def show(transform: Transform) -> None:
         table.add_row(words, *(f"{getattr(side, field):.1e}" for side in (certificate.p, certificate.q)))
     Console().print(table)
     print("certificate: passed" if certificate.passed else f"certificate: failed ({certificate.failure})")
+    if not certificate.passed:
+        return
     motion = transform.motion()
     print(f"motion: {motion.words} ({motion.search}, open at hinge {_hinges(motion)})")
 
@@ -112,6 +154,10 @@ def _written(transform: Transform, stem: Path, films: Sequence[str]) -> Iterator
         yield path
 
 
+def _inputs(path_a: Path, path_b: Path) -> tuple[Shape, Shape]:
+    return _named(path_a, path_b), _named(path_b, path_a)
+
+
 def _named(path: Path, other: Path) -> Shape:
     """The shape in a file, named so that the two inputs can be told apart."""
     name = path.name if path.stem == other.stem else path.stem
@@ -119,7 +165,13 @@ def _named(path: Path, other: Path) -> Shape:
 
 
 def _make(chosen: argparse.Namespace) -> int:
-    make(chosen.a, chosen.b, chosen.output, [f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind)])
+    films = tuple(f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind))
+    make(chosen.a, chosen.b, chosen.output, Wishes(films, chosen.rank, chosen.pins, chosen.method))
+    return 0
+
+
+def _trunks(chosen: argparse.Namespace) -> int:
+    list_trunks(chosen.a, chosen.b)
     return 0
 
 
@@ -132,8 +184,18 @@ def _parser(more: Sequence[Callable[[Commands], None]]) -> argparse.ArgumentPars
     parser = argparse.ArgumentParser(prog="riot", description="Reversible shape transforms, certified.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     make_parser = commands.add_parser("make", help="turn one silhouette inside out into another")
-    make_parser.add_argument("a", type=Path, metavar="A", help="a picture (PNG, GIF, BMP, TIFF, JPEG) or an SVG file")
-    make_parser.add_argument("b", type=Path, metavar="B", help="another one")
+    trunks_parser = commands.add_parser("trunks", help="list the trunk pairs that make can be told to use")
+    for each in (make_parser, trunks_parser):
+        each.add_argument("a", type=Path, metavar="A", help="a picture (PNG, GIF, BMP, TIFF, JPEG) or an SVG file")
+        each.add_argument("b", type=Path, metavar="B", help="another one")
+    trunks_parser.set_defaults(run=_trunks)
+    make_parser.add_argument("--rank", type=int, metavar="K", help="use the trunk pair of this rank of `riot trunks`")
+    make_parser.add_argument(
+        "--pins", type=Path, metavar="FILE", help="keep or redraw stretches of the outlines (JSON)"
+    )
+    make_parser.add_argument(
+        "--method", choices=("exact", "laplacian"), default="exact", help="laplacian: the paper's, not exact"
+    )
     make_parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="where results go")
     make_parser.add_argument("--gif", action="store_true", help="film the motion as an animated GIF too")
     make_parser.add_argument("--mp4", action="store_true", help="film it as an MP4 too (needs the extra 'film')")
