@@ -113,7 +113,7 @@ def _numbers(transform: Transform) -> str:
     verdict = (
         f"certified, residual {certificate.residual:.0e}"
         if certificate.passed
-        else f"not certified: {certificate.failure}"
+        else f"not certified: {certificate.failure.split('; ')[0]}"  # the first is enough for a heading
     )
     return f"{len(transform)} pieces · IoU {deformation.iou_p:.3f} and {deformation.iou_q:.3f} · {verdict}"
 
