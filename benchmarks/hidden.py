@@ -1,0 +1,160 @@
+"""Exact pairs that are hidden in a collection: made, drawn, and looked for among candidate trunks."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from grown import deformed
+from inputs import PIXELS
+from PIL import Image, ImageDraw
+
+from riot.groundtruth import ExactPair, Topology, exact_pair
+from riot.parameters import D_C, L_C, TrunkParameters
+from riot.polyline import arc_length, edge_lengths
+from riot.reversibility import cut_off, reversibility
+from riot.shape import BoolArray, FloatArray, IntArray, Shape
+from riot.silhouette import mask_shape
+from riot.trunks import Trunks, admissible_edges
+from riot.vertices import congruency, convex_points, passes_visibility, sparse_points
+
+SEED = 4711
+KINDS: tuple[tuple[Topology, bool], ...] = tuple(itertools.product(("star", "binary"), (False, True)))
+LEAST_PIECE, LEAST_EDGE = 0.01, L_C / TrunkParameters().spacing
+"""Pairs with a smaller exterior piece or a shorter trunk edge are not hidden: no candidate trunk is like theirs."""
+NEAR = L_C / 25
+"""A trunk whose every corner is so near to the true one counts as the true trunk: a little over half the spacing of
+the sparse points."""
+FINER, MARGIN = 4, 8
+"""Pixels are means of so many squared; free pixels at the border."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hidden:
+    """One shape of an exact pair, drawn: its name, its pair's number, and the true trunk in the shape's frame.
+
+    ``corners`` (n, 2) run counter-clockwise; those of the pair's second shape in reverse of the corresponding order.
+    """
+
+    pair: int
+    shape: Shape
+    corners: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class HiddenPair:
+    """An exact pair and how it was drawn by lot."""
+
+    n: int
+    topology: Topology
+    curved: bool
+    seed: int
+    exact: ExactPair
+    p: Hidden
+    q: Hidden
+
+
+def hide(count: int, pieces: Sequence[int], deform: float = 0.0) -> tuple[list[HiddenPair], int]:
+    """``count`` exact pairs, numbers of pieces and kinds of trees in turn; and how many were left out as degenerate.
+
+    Before they are drawn, both are deformed by waves of amplitude ``deform``, in units of √area.
+    """
+    made: list[HiddenPair] = []
+    left_out, seed = 0, SEED
+    while len(made) < count:
+        k = len(made)
+        n, (topology, curved) = pieces[k % len(pieces)], KINDS[k // len(pieces) % len(KINDS)]
+        seed += 1
+        exact = exact_pair(n, seed, curved=curved, topology=topology)
+        if degenerate(exact):
+            left_out += 1
+            continue
+        name = f"hidden{k:03d}"
+        rng = np.random.default_rng([SEED, seed])
+        p = Hidden(k, *drawn(exact.p, exact.trunk_p, f"{name}-p", deform, rng))
+        q = Hidden(k, *drawn(exact.q, exact.trunk_q[::-1], f"{name}-q", deform, rng))
+        made.append(HiddenPair(n, topology, curved, seed, exact, p, q))
+    return made, left_out
+
+
+def degenerate(pair: ExactPair) -> bool:
+    """Whether an exterior piece or a trunk edge is too small for the filters of candidate trunks."""
+    parts = [(arc, pair.trunk_p) for piece in pair.pieces for arc in (piece.lower, piece.upper)]
+    areas = [0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) for (arc, _) in parts for x, y in (arc.T,)]
+    return min(areas) < LEAST_PIECE or float(edge_lengths(pair.trunk_p).min()) < LEAST_EDGE
+
+
+def drawn(
+    polygon: FloatArray, corners: FloatArray, name: str, deform: float, rng: np.random.Generator
+) -> tuple[Shape, FloatArray]:
+    """The shape of a polygon's picture, deformed and grey at the border, and points of the polygon in its frame."""
+    if deform > 0.0:
+        moved = deformed(np.concatenate([polygon, corners]), deform, rng)
+        polygon, corners = moved[: len(polygon)], moved[len(polygon) :]
+    low, extent = polygon.min(axis=0), np.ptp(polygon, axis=0)
+    scale = (PIXELS - 2 * MARGIN) / extent.max()
+
+    def place(points: FloatArray) -> FloatArray:
+        return np.asarray((points - low) * [scale, -scale] + [MARGIN, PIXELS - MARGIN])
+
+    image = Image.new("L", (PIXELS * FINER, PIXELS * FINER))
+    ImageDraw.Draw(image).polygon([(float(x), float(y)) for x, y in place(polygon) * FINER], fill=255)
+    shape = mask_shape(np.asarray(image.reduce(FINER), dtype=np.float64), name)
+    # A shape's source coordinates are whole at the middles of pixels.
+    return shape, shape.from_source(place(corners) - 0.5)
+
+
+def failed_test(hidden: Hidden, trunks: Trunks, quick: bool, parameters: TrunkParameters) -> str:
+    """The first test after which nothing near the true trunk is left; "" if one of ``trunks`` is near it."""
+    shape, corners = hidden.shape, hidden.corners
+    n = len(corners)
+    chosen = trunks.vertices.reshape(-1)[np.repeat(trunks.sizes == n, trunks.sizes)].reshape(-1, n)
+    for shift in range(n):
+        off = np.hypot(*np.moveaxis(shape.points[chosen] - np.roll(corners, shift, axis=0), 2, 0))
+        if len(off) and off.max(axis=1).min() <= NEAR:
+            return ""
+    points = sparse_points(shape, parameters)
+    kept = np.ones(len(points), dtype=np.bool_)
+    gap = np.hypot(*np.moveaxis(shape.points[points][:, None] - corners[None], 2, 0))
+    vertex_tests: list[tuple[str, Callable[[], BoolArray]]] = [
+        ("spacing", lambda: np.ones(len(points), dtype=np.bool_)),
+        ("visibility", lambda: passes_visibility(shape, points)),
+    ]
+    if quick:
+        cut = cut_off(shape, reversibility(shape), parameters.neck_width * D_C)
+        vertex_tests.append(("necks", lambda: ~cut[points]))
+    else:
+        vertex_tests.append(("congruency", lambda: congruency(shape, points, parameters).score > parameters.tau_c))
+    for name, test in vertex_tests:
+        kept &= test()
+        if not (kept[:, None] & (gap <= NEAR)).any(axis=0).all():
+            return name
+    convex = convex_points(shape, parameters)
+    if n > min(len(convex), parameters.max_vertices):
+        return "too few convex points for n"
+    combinations = np.array(list(itertools.product(*[np.flatnonzero(kept & (gap[:, j] <= NEAR)) for j in range(n)])))
+    everywhere = np.arange(len(shape.points))
+    lax = replace(parameters, max_arc=2.0, min_area=-9.0, min_inside=-1.0)
+    edge_tests: list[tuple[str, Callable[[], BoolArray]]] = [
+        ("convex point of every piece", lambda: admissible_edges(shape, points, lax, convex)),
+        ("arc < L/2", lambda: admissible_edges(shape, points, replace(lax, max_arc=parameters.max_arc), everywhere)),
+        ("area", lambda: admissible_edges(shape, points, replace(lax, min_area=parameters.min_area), everywhere)),
+        ("inside", lambda: admissible_edges(shape, points, replace(lax, min_inside=parameters.min_inside), everywhere)),
+    ]
+    if not quick:
+        edge_tests.append(("overlap of congruent stretches", lambda: _stretches_part(shape, points, parameters)))
+    for name, test in edge_tests:
+        combinations = combinations[test()[combinations, np.roll(combinations, -1, axis=1)].all(axis=1)]
+        if len(combinations) == 0:
+            return name
+    return "convex"
+
+
+def _stretches_part(shape: Shape, points: IntArray, parameters: TrunkParameters) -> BoolArray:
+    """(c, c) whether the congruent stretches of two points overlap by little enough on the boundary between them."""
+    lengths, stretches = arc_length(shape.points), congruency(shape, points, parameters).length
+    arcs = np.mod(lengths[points][None, :] - lengths[points][:, None], lengths[-1])
+    overlap = np.minimum(stretches[:, None], arcs) + np.minimum(stretches[None, :], arcs) - arcs
+    return np.asarray(overlap < parameters.max_overlap * L_C)

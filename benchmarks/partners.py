@@ -1,0 +1,111 @@
+"""From a list of shapes to transforms of its pairs, each step made once: what measurements of the search share."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from riot.construct.choose import construct_plans, plan_pairs, refine_best, trunk_pairs
+from riot.cross import CrossSide, best_of_prepared, prepare
+from riot.errors import RiotError, TrunkError
+from riot.parameters import ConstructParameters, RefineParameters, TrunkParameters
+from riot.quick import score_block, stack
+from riot.shape import FloatArray, Shape
+from riot.transform import Transform
+from riot.trunks import full_trunks, quick_trunks
+
+
+@dataclass
+class Clock:
+    """CPU seconds by step."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    last: float = field(default_factory=time.process_time)
+
+    def tick(self, step: str) -> None:
+        """What has passed since the last call was this step's."""
+        now = time.process_time()
+        self.seconds[step] = self.seconds.get(step, 0.0) + now - self.last
+        self.last = now
+
+
+class Partners:
+    """Shapes, by number, and what their pairs give."""
+
+    def __init__(self, shapes: Sequence[Shape], trunks: TrunkParameters, refinement: RefineParameters) -> None:
+        self.shapes, self.parameters, self.refinement = shapes, trunks, refinement
+        self.quick = [quick_trunks(shape, trunks) for shape in shapes]
+        self._sides: dict[int, CrossSide] = {}
+        self._plans: dict[tuple[int, int], tuple[float, Callable[[], Transform]]] = {}
+        self._transforms: dict[tuple[int, int], Transform | RiotError] = {}
+
+    def quick_scores(self, count: int) -> FloatArray:
+        """(count, shapes) QCRS of the first ``count`` with all; −1 of a shape with itself."""
+        found = score_block(stack(self.quick[:count]), stack(self.quick)).score
+        scores = found.reshape(count, len(self.shapes)).copy()
+        scores[np.arange(count), np.arange(count)] = -1.0
+        return scores
+
+    def side(self, k: int) -> CrossSide:
+        """A shape with its full trunks, prepared for CRS."""
+        if k not in self._sides:
+            self._sides[k] = prepare(self.shapes[k], full_trunks(self.shapes[k], self.parameters))
+        return self._sides[k]
+
+    def cross(self, i: int, j: int) -> float:
+        """CRS, 0 without trunks of one n."""
+        found = best_of_prepared(self.side(min(i, j)), self.side(max(i, j)))
+        return found[0].score if found else 0.0
+
+    def bound(self, i: int, j: int) -> float:
+        """What the IoU of the worse shape can be on the pair's refined trunks; −1 if there are none."""
+        return self._plan(min(i, j), max(i, j))[0]
+
+    def transform(self, i: int, j: int) -> Transform | RiotError:
+        """What a pair gives, or why it gives nothing."""
+        key = min(i, j), max(i, j)
+        if key not in self._transforms:
+            self._transforms[key] = attempt(self._plan(*key)[1])
+        return self._transforms[key]
+
+    def best(self, i: int, few: Sequence[int], always: int = -1) -> dict[int, float]:
+        """IoU of the worse shape of i with those that matter: those whose bound does not rule out that they are first.
+
+        ``always`` is among them in any case. The refused are not.
+        """
+        ious: dict[int, float] = {}
+        bounds = {j: self.bound(i, j) for j in few}
+        for j in sorted(few, key=lambda j: (j != always, -bounds[j], j)):
+            if ious and bounds[j] <= max(ious.values()):
+                continue
+            made = self.transform(i, j)
+            if isinstance(made, Transform):
+                ious[j] = min(made.overlap_ratios)
+        return ious
+
+    def _plan(self, i: int, j: int) -> tuple[float, Callable[[], Transform]]:
+        """The bound of a pair's refined trunks, and what constructs on them."""
+        if (i, j) not in self._plans:
+            scores = best_of_prepared(self.side(i), self.side(j), None, self.refinement.candidates)
+            pairs = trunk_pairs(self.shapes[i], self.shapes[j], scores, self.refinement.reach)
+            planned, unplanned = plan_pairs(pairs, self.refinement)
+            plans = refine_best(planned, self.refinement)
+
+            def make() -> Transform:
+                if not scores:
+                    raise TrunkError("no trunks of one n")
+                return construct_plans(plans, unplanned, ConstructParameters())
+
+            self._plans[i, j] = plans[0].bound if plans else -1.0, make
+        return self._plans[i, j]
+
+
+def attempt(make: Callable[[], Transform]) -> Transform | RiotError:
+    """The transform, or the refusal."""
+    try:
+        return make()
+    except RiotError as error:
+        return error
