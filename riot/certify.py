@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,9 @@ AREA_TOLERANCE = 1e-9
 HINGE_TOLERANCE = 1e-12
 """Greatest distance between the two pieces' ideas of one hinge that a certificate accepts."""
 
+LEAST_CHANGE = 1e-4
+"""Bounds of the IoU are no more accurate: changes are not compared with less."""
+
 SAMPLE_STEP = L_C / 400
 """Outlines are compared at points this far apart."""
 
@@ -28,7 +32,8 @@ class Assembly:
 
     ``overlap`` = Σ piece areas − area of their union; ``gap`` = area within the outline − area of the union;
     ``hinge`` = greatest distance between two pieces' ends that a hinge joins, the closing one too; ``simple``: the
-    outline neither touches nor crosses itself.
+    outline neither touches nor crosses itself, and no piece does. Where one does, areas are of what it encloses an odd
+    number of times (`shapely.make_valid`), and say how far off the assembly is, which fails in any case.
     """
 
     overlap: float
@@ -106,15 +111,13 @@ def _assembly(transform: Transform, pose: Pose, outline: FloatArray) -> Assembly
     owner = np.repeat(np.arange(len(polygons)), [len(polygon) for polygon in polygons])
     parts = shapely.polygons(shapely.linearrings(np.concatenate(polygons), indices=owner))
     ring = shapely.linearrings(outline)
+    region = shapely.polygons(ring)
     simple = bool(shapely.is_simple(ring)) and bool(shapely.is_valid(parts).all())
     if not simple:
-        # Areas of crossing polygons mean nothing; the crossing alone fails the certificate.
-        return Assembly(np.nan, np.nan, _hinge_error(transform, pose), False)
+        parts, region = shapely.make_valid(parts), shapely.make_valid(region)
     union = shapely.union_all(parts).area
     total = float(sum(shapely.area(parts).tolist()))
-    return Assembly(
-        total - union, float(shapely.area(shapely.polygons(ring))) - union, _hinge_error(transform, pose), simple
-    )
+    return Assembly(total - union, float(shapely.area(region)) - union, _hinge_error(transform, pose), simple)
 
 
 def _hinge_error(transform: Transform, pose: Pose) -> float:
@@ -131,6 +134,14 @@ def measure(transform: Transform) -> Deformation:
     far_p, mean_p = boundary_distance(transform.outline_p(), transform.p.points)
     far_q, mean_q = boundary_distance(transform.outline_q(), transform.q.points)
     return Deformation(*transform.overlap_ratios, far_p, far_q, mean_p, mean_q)
+
+
+def change_ratio(iou: float, bound: float) -> float:
+    """(1 − IoU) / (1 − bound): how much a shape changes, over the least that its trunks allow (theory §8, ours).
+
+    1 is as good as an exact construction can be. nan where the bound is as near to 1 as its scanlines can tell.
+    """
+    return (1.0 - iou) / (1.0 - bound) if 1.0 - bound > LEAST_CHANGE else math.nan
 
 
 def boundary_distance(outline: FloatArray, reference: FloatArray) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import errno
+import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -13,12 +14,14 @@ from typing import TYPE_CHECKING, Literal
 from rich.console import Console
 from rich.table import Table
 
+from riot.certify import change_ratio
 from riot.construct import alternatives, construct, construct_plan, load_pins
 from riot.construct.plan import Plan
 from riot.cross import crs
 from riot.draw import animate_svg, draw_strip, write_film
 from riot.draw.film import film_writer
 from riot.errors import RiotError, TrunkError
+from riot.fidelity import bending_ratio, direction_error
 from riot.kernels.warm import warm_all
 from riot.motion import Motion
 from riot.parameters import ConstructParameters
@@ -118,6 +121,11 @@ def show(transform: Transform) -> None:
         ("mean distance / L_c", deformation, "mean_distance", ".4f"),
     ):
         table.add_row(words, *(format(getattr(source, f"{field}_{side}"), form) for side in "pq"))
+    outlines = ((transform.outline_p(), transform.p.points), (transform.outline_q(), transform.q.points))
+    changes = [change_ratio(getattr(deformation, f"iou_{side}"), getattr(transform, f"bound_{side}")) for side in "pq"]
+    table.add_row("change / least change", *("–" if math.isnan(change) else f"{change:.3f}" for change in changes))
+    table.add_row("bending / input's", *(f"{bending_ratio(*both):.3f}" for both in outlines))
+    table.add_row("directions off, degrees", *(f"{math.degrees(direction_error(*both)):.2f}" for both in outlines))
     for words, field in (("overlap", "overlap"), ("gaps", "gap"), ("hinges apart", "hinge")):
         table.add_row(words, *(f"{getattr(side, field):.1e}" for side in (certificate.p, certificate.q)))
     Console().print(table)

@@ -13,7 +13,7 @@ import shapely
 from PIL import Image, ImageDraw
 
 from riot import FormatError, Transform
-from riot.certify import boundary_distance, overlap_ratio
+from riot.certify import boundary_distance, change_ratio, overlap_ratio
 from riot.cli import main
 from riot.groundtruth import exact_pair, exact_transform
 from riot.riotfile import from_json, to_json
@@ -84,6 +84,27 @@ def test_certificate_sees_a_crossing_outline(made: Transform) -> None:
     certificate = replace(made, pieces=(Piece(piece.length, lower, piece.upper), *made.pieces[1:])).certificate()
     assert not certificate.passed
     assert not certificate.p.simple
+    # Its areas are numbers still: those of what is enclosed an odd number of times.
+    assert np.isfinite([certificate.p.overlap, certificate.p.gap, certificate.q.overlap, certificate.q.gap]).all()
+    assert certificate.residual > 1e-3
+
+
+def test_a_crossing_that_encloses_nothing_costs_no_area_and_fails(made: Transform) -> None:
+    """A whisker, out and back along the outline's own line: the areas stay, the certificate does not."""
+    piece = made.pieces[0]
+    middle = len(piece.lower) // 2
+    root, tip = piece.lower[middle], piece.lower[middle] + 0.1 * (piece.lower[middle + 1] - piece.lower[middle])
+    lower = np.concatenate([piece.lower[: middle + 1], [tip, root], piece.lower[middle + 1 :]])
+    certificate = replace(made, pieces=(Piece(piece.length, lower, piece.upper), *made.pieces[1:])).certificate()
+    assert not certificate.passed and not certificate.p.simple
+    assert certificate.residual < 1e-9
+
+
+def test_change_is_compared_with_the_least() -> None:
+    assert change_ratio(0.9, 0.9) == 1.0
+    assert change_ratio(0.8, 0.9) == pytest.approx(2.0)
+    assert change_ratio(1.0, 0.9) == 0.0
+    assert math.isnan(change_ratio(0.99, 1.0)) and math.isnan(change_ratio(0.99, math.nan))
 
 
 def test_comparison_of_shifted_squares() -> None:
@@ -177,7 +198,12 @@ def test_make_writes_transform_and_pictures(tmp_path: Path, capsys: pytest.Captu
     words = f"motion: {made.plan.words}"
     assert words in printed
     assert main(["show", str(tmp_path / "out" / "house--kite.riot")]) == 0
-    assert words in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert words in shown
+    (change,) = (line for line in shown.splitlines() if "change / least change" in line)
+    deformation = made.deformation()
+    assert f"{change_ratio(deformation.iou_p, made.bound_p):.3f}" in change
+    assert "bending / input's" in shown and "directions off, degrees" in shown
 
 
 def test_commands_tell_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
