@@ -86,6 +86,8 @@ class Config:
     """Content-addressed artifacts, shared by all runs."""
     batch: int = 32
     """Mean number of shapes in a work item of the per-shape stages; a QCRS block is a pair of batches."""
+    compare: int = 0
+    """So many of the least deformed certified transforms are made by the paper's method too."""
     shape: ShapeParameters = field(default_factory=ShapeParameters)
     reversibility: ReversibilityParameters = field(default_factory=ReversibilityParameters)
     trunks: TrunkParameters = field(default_factory=TrunkParameters)
@@ -230,6 +232,8 @@ def _describe(hint: Any) -> str:
 def _check_ranges(config: Config) -> None:
     if config.batch < 1:
         raise ConfigError(f"batch: must be 1 or more, got {config.batch}")
+    if config.compare < 0:
+        raise ConfigError(f"compare: must be 0 or more, got {config.compare}")
     if config.cluster.workers is not None and config.cluster.workers < 1:
         raise ConfigError(f"cluster.workers: must be 1 or more, or null, got {config.cluster.workers}")
     for group in sorted(_STAGE_GROUPS):

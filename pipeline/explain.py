@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from pipeline.artifact import canonical_json
-from pipeline.config import Config, SelectConfig
+from pipeline.config import Config
 from pipeline.datasets import collect
 from pipeline.plan import (
     Plan,
@@ -21,11 +21,12 @@ from pipeline.plan import (
     plan_crs,
     plan_full_trunks,
     plan_motions,
+    plan_paper,
     plan_refine,
     plan_select,
     plan_shortlist,
 )
-from pipeline.results import certified
+from pipeline.results import certified, least_deformed
 from pipeline.stages import BY_NAME
 from pipeline.store import State, Store
 
@@ -37,6 +38,7 @@ KNOWN_AFTER = {
     "refine": "the selection",
     "shortlist": "the trunks are refined",
     "construct": "the shortlist",
+    "paper": "construction",
     "motion": "construction",
 }
 """When it is known what a stage has to do, of stages that depend on results."""
@@ -77,7 +79,7 @@ def _after_selection(plan: Plan, store: Store) -> list[StageForecast]:
     select = plan_select(plan, done)
     found = [_stage(store, "select", [select])]
     if found[0].cached == 0:
-        return found + [_unknown(name) for name in KNOWN_AFTER]
+        return found + _unknown("trunks_full", plan)
     pairs = [(int(i), int(j)) for i, j in store.get(*select.reference).arrays["pairs"]]
     full = plan_full_trunks(plan, pairs)
     crs = plan_crs(plan, pairs, full)
@@ -86,20 +88,26 @@ def _after_selection(plan: Plan, store: Store) -> list[StageForecast]:
     refined = plan_refine(plan, crs)
     found.append(_stage(store, "refine", refined))
     if found[-1].missing:
-        return found + [_unknown(name) for name in ("shortlist", "construct", "motion")]
+        return found + _unknown("shortlist", plan)
     shortlist = plan_shortlist(plan, refined)
     found.append(_stage(store, "shortlist", [shortlist]))
     if found[-1].missing:
-        return found + [_unknown(name) for name in ("construct", "motion")]
+        return found + _unknown("construct", plan)
     made = plan_construct(plan, [refined[place] for place in store.get(*shortlist.reference).arrays["places"]])
     found.append(_stage(store, "construct", made))
     if found[-1].missing:
-        return [*found, _unknown("motion")]
-    return [*found, _stage(store, "motion", plan_motions(plan, certified(store, made)))]
+        return found + _unknown("paper", plan)
+    passed = certified(store, made)
+    if plan.config.compare:
+        found.append(_stage(store, "paper", plan_paper(plan, least_deformed(store, passed, plan.config.compare))))
+    return [*found, _stage(store, "motion", plan_motions(plan, passed))]
 
 
-def _unknown(name: str) -> StageForecast:
-    return StageForecast(name, None, 0, 0, None, ())
+def _unknown(first: str, plan: Plan) -> list[StageForecast]:
+    """Of the stages from ``first`` on, of which it is not known what they have to do."""
+    names = list(KNOWN_AFTER)
+    later = [name for name in names[names.index(first) :] if name != "paper" or plan.config.compare]
+    return [StageForecast(name, None, 0, 0, None, ()) for name in later]
 
 
 def _stage(store: Store, name: str, items: Sequence[WorkItem]) -> StageForecast:
@@ -113,8 +121,12 @@ def _stage(store: Store, name: str, items: Sequence[WorkItem]) -> StageForecast:
     return StageForecast(name, len(items), len(items) - len(missing), corrupt, seconds, missing)
 
 
-def show_plan(forecasts: Sequence[StageForecast], select: SelectConfig, console: Console) -> None:
+def show_plan(forecasts: Sequence[StageForecast], config: Config, console: Console) -> None:
     """Print what would run."""
+    select = config.select
+    pairs = select.breadth * select.top
+    at_most = {"trunks_full": 2 * pairs, "crs": pairs, "refine": pairs, "shortlist": 1}
+    at_most["paper"] = min(config.compare, select.top)
     table = Table(title="Plan: nothing was run", title_justify="left")
     table.add_column("stage")
     table.add_column("work items")
@@ -123,9 +135,8 @@ def show_plan(forecasts: Sequence[StageForecast], select: SelectConfig, console:
     for one in forecasts:
         unit = BY_NAME[one.stage].unit
         if one.items is None:
-            pairs = select.breadth * select.top
-            most = {"trunks_full": 2 * pairs, "crs": pairs, "refine": pairs, "shortlist": 1}.get(one.stage, select.top)
-            table.add_row(one.stage, unit, f"≤ {most}", "?", "?", "", f"after {KNOWN_AFTER[one.stage]}")
+            most = f"≤ {at_most.get(one.stage, select.top)}"
+            table.add_row(one.stage, unit, most, "?", "?", "", f"after {KNOWN_AFTER[one.stage]}")
             continue
         estimate = "unknown" if one.seconds is None else f"{one.seconds:.1f} s"
         table.add_row(

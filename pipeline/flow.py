@@ -25,13 +25,14 @@ from pipeline.plan import (
     plan_crs,
     plan_full_trunks,
     plan_motions,
+    plan_paper,
     plan_refine,
     plan_search,
     plan_select,
     plan_shortlist,
 )
 from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
-from pipeline.results import Results, certified
+from pipeline.results import Results, certified, least_deformed
 from pipeline.store import write_atomically
 from pipeline.write import write_tables
 from riot.shape import FloatArray
@@ -139,7 +140,12 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
     run.stage("shortlist", [shortlist], here=True)
     construct = plan_construct(plan, read_shortlist(run, shortlist, refined))
     run.stage("construct", construct)
-    motion = plan_motions(plan, certified(run.store, [item for item in construct if item.reference in run.done]))
+    passed = certified(run.store, [item for item in construct if item.reference in run.done])
+    beside: dict[str, Sequence[WorkItem]] = {}
+    if plan.config.compare:
+        beside["paper"] = plan_paper(plan, least_deformed(run.store, passed, plan.config.compare))
+        run.stage("paper", beside["paper"])
+    motion = plan_motions(plan, passed)
     run.stage("motion", motion)
     return Results(
         plan=plan,
@@ -161,6 +167,7 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
             "refine": refine,
             "shortlist": (shortlist,),
             "construct": construct,
+            **beside,
             "motion": motion,
         },
         stages=tuple(run.stages),

@@ -2,7 +2,7 @@
 
 Keys are chained (an item's inputs are named by their keys), so that everything up to the selection is planned from the
 configuration and the items' digests alone. Full trunks, CRS and construction are planned once the pairs are known,
-motions once it is known which constructions are certified.
+the paper's method beside them, and motions, once it is known which constructions are certified.
 """
 
 from __future__ import annotations
@@ -208,6 +208,12 @@ def plan_construct(plan: Plan, refined: Sequence[WorkItem]) -> list[WorkItem]:
         sources = (*item.sources, item.reference)
         work.append(WorkItem(of.parts([item.key], names), of.parameters, sources, spec, (p, q)))
     return work
+
+
+def plan_paper(plan: Plan, best: Sequence[WorkItem]) -> list[WorkItem]:
+    """The paper's method beside certified constructions, in order."""
+    of = plan.recipes["paper"]
+    return [WorkItem(of.parts([made.key]), of.parameters, (made.reference,), None, made.members) for made in best]
 
 
 def plan_motions(plan: Plan, certified: Sequence[WorkItem]) -> list[WorkItem]:

@@ -101,6 +101,7 @@ def counts(results: Results) -> dict[str, int]:
         "pairs": shapes * (shapes - 1) // 2,
         "selected": len(results.pairs),
         "certified": statuses.count("certified"),
+        "approximate": statuses.count("approximate"),
         "rejected": statuses.count("rejected"),
         "planned": len(flat),
         "swing_flat": sum(flat),

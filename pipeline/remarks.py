@@ -9,7 +9,13 @@ from pipeline.datasets import PICTURES
 
 def remarks(counts: Mapping[str, int], policy: str) -> list[str]:
     """Sentences on a run's ``counts`` (see `pipeline.record.counts`), none when there is nothing to wonder about."""
-    return [*_trunks(counts), *_selection(counts, policy), *_motions(counts), *_ignored(counts)]
+    return [
+        *_trunks(counts),
+        *_selection(counts, policy),
+        *_approximate(counts),
+        *_motions(counts),
+        *_ignored(counts),
+    ]
 
 
 def several(count: int, one: str, more: str = "") -> str:
@@ -39,6 +45,16 @@ def _selection(counts: Mapping[str, int], policy: str) -> list[str]:
     else:
         why = "no two shapes that may be paired have a QCRS above 0"
     return [f"No pair was selected: {why}."]
+
+
+def _approximate(counts: Mapping[str, int]) -> list[str]:
+    approximate = counts.get("approximate", 0)
+    if approximate == 0:
+        return []
+    return [
+        f"{several(approximate, 'transform is', 'transforms are')} approximate, by the paper's method: pieces overlap "
+        "and leave gaps (columns overlap_p to gap_q of transforms.parquet), and no motion is planned."
+    ]
 
 
 def _motions(counts: Mapping[str, int]) -> list[str]:

@@ -24,7 +24,7 @@ from riot.shape import FloatArray, IntArray
 
 Row = dict[str, Any]
 
-OF_PAIRS = ("crs", "refine", "construct", "motion")
+OF_PAIRS = ("crs", "refine", "construct", "paper", "motion")
 """Stages whose work items concern a pair."""
 
 NOT_BY_SHAPE = ("qcrs", "shards", "partners", "pairs", "select", "shortlist")
@@ -138,6 +138,17 @@ class Results:
 def certified(store: Store, made: Sequence[WorkItem]) -> list[WorkItem]:
     """Those of finished constructions that passed."""
     return [item for item in made if store.get(*item.reference).document["status"] == "certified"]
+
+
+def least_deformed(store: Store, passed: Sequence[WorkItem], count: int) -> list[WorkItem]:
+    """The ``count`` constructions of greatest IoU of the worse shape among those that passed, best first."""
+
+    def iou(item: WorkItem) -> float:
+        document = store.get(*item.reference).document
+        return min(float(document["iou_p"]), float(document["iou_q"]))
+
+    # Nothing need be read where nothing is wanted.
+    return sorted(passed, key=iou, reverse=True)[:count] if count else []
 
 
 def shown_source(name: str, source: str) -> str:

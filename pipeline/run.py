@@ -89,7 +89,7 @@ def _show(config: Config, console: Console) -> int:
     if config.explain:
         show_explanation(found, store, console)
     else:
-        show_plan(found, config.select, console)
+        show_plan(found, config, console)
     return CLEAN
 
 

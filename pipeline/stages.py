@@ -65,6 +65,7 @@ STAGES = (
     Stage("refine", ("refine",), "pairs", bundle=4),
     Stage("shortlist", ("select",), "selection"),
     Stage("construct", ("construct", "refine.reach"), "pairs"),
+    Stage("paper", ("construct", "refine.reach"), "best transforms"),
     Stage("motion", ("motion",), "certified transforms", bundle=16),
 )
 

@@ -11,9 +11,11 @@ from rich.markup import escape
 from rich.table import Table
 
 from pipeline import tables
+from pipeline.comparison import read_comparison
 from pipeline.flow import Outcome
 from pipeline.record import counts
 from pipeline.remarks import remarks, several
+from pipeline.results import Row
 
 BEST = 10
 REASONS = 3
@@ -27,6 +29,9 @@ def show_outcome(outcome: Outcome, console: Console) -> None:
     console.print(_times(outcome))
     for remark in remarks(counts(outcome.results), outcome.results.plan.config.select.policy):
         console.print(remark, highlight=False, markup=False, soft_wrap=True)
+    compared = read_comparison(_rows(outcome, "transforms"), _rows(outcome, "timings"))
+    if compared is not None:
+        console.print(compared.remark, highlight=False, markup=False, soft_wrap=True)
     if outcome.results.search is not None:
         said = outcome.results.search.remark(_kept(outcome))
         console.print(said, highlight=False, markup=False, soft_wrap=True)
@@ -43,13 +48,19 @@ def _kept(outcome: Outcome) -> int:
     return ds.dataset(outcome.folder / "qcrs", tables.QCRS, format="parquet").count_rows()  # type: ignore[no-any-return]
 
 
+def _rows(outcome: Outcome, name: str) -> list[Row]:
+    rows: list[Row] = pq.read_table(outcome.folder / f"{name}.parquet").to_pylist()
+    return rows
+
+
 def _counts(outcome: Outcome) -> Table:
     found = counts(outcome.results)
     table = Table(title=f"Run of {escape(outcome.results.collection.name)}", title_justify="left")
-    names = ("shapes", "rejected_items", "pairs", "selected", "certified", "rejected", "errors")
-    titles = ("shapes", "no shape", "pairs", "selected", "certified", "rejected", "errors")
-    for title in titles:
-        table.add_column(title, justify="right")
+    names = ["shapes", "rejected_items", "pairs", "selected", "certified", "rejected", "errors"]
+    if found["approximate"]:
+        names.insert(names.index("rejected"), "approximate")
+    for name in names:
+        table.add_column("no shape" if name == "rejected_items" else name, justify="right")
     table.add_row(*(f"{found[name]:,}" for name in names))
     return table
 
@@ -60,8 +71,8 @@ def _best(outcome: Outcome) -> Table:
         table.add_column(title, justify=justify, max_width=30)  # type: ignore[arg-type]
     for title in ("QCRS", "CRS", "IoU P ≤ bound", "IoU Q ≤ bound", "Hausdorff/L_c", "residual"):
         table.add_column(title, justify="right")
-    rows = pq.read_table(outcome.folder / "transforms.parquet").to_pylist()
-    for row in [row for row in rows if row["status"] == "certified"][:BEST]:
+    rows = _rows(outcome, "transforms")
+    for row in [row for row in rows if row["status"] != "rejected"][:BEST]:
         residual = max(abs(row[name]) for name in ("overlap_p", "overlap_q", "gap_p", "gap_q"))
         table.add_row(
             str(row["rank"]),

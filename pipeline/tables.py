@@ -12,6 +12,7 @@ RATIO = "1"
 AREA = "unit-area frame"
 SCORE = "score in [0, 1]"
 OF_L_C = "L_c = 2*sqrt(pi)"
+ANGLE = "rad"
 BOUNDARY = "index of boundary point"
 
 
@@ -112,12 +113,12 @@ CRS = _schema(
 )
 
 TRANSFORMS = _schema(
-    "Constructed transforms, least deformed first, then the rejected ones in order of selection.",
-    _column("rank", pa.int32(), "1 = the greatest IoU of the worse shape", "rank"),
+    "Constructed transforms: certified, then approximate ones, least deformed first, then rejected ones as selected.",
+    _column("rank", pa.int32(), "1 = certified, with the greatest IoU of the worse shape", "rank"),
     _column("selected", pa.int32(), "rank in `selected`", "rank"),
     *_PAIR,
     *_NAMES,
-    _column("status", pa.string(), "certified, or rejected"),
+    _column("status", pa.string(), "certified, approximate (not exact: the paper's method), or rejected"),
     _column("reason", pa.string(), "why it was rejected, one word"),
     _column("message", pa.string(), "why it was rejected, in words"),
     _column("file", pa.string(), "the transform, relative to the run's folder; empty if rejected"),
@@ -132,10 +133,17 @@ TRANSFORMS = _schema(
     _column("iou_q", pa.float64(), "of Q with its input", RATIO),
     _column("bound_p", pa.float64(), "upper bound of iou_p for the trunks used", RATIO),
     _column("bound_q", pa.float64(), "upper bound of iou_q for the trunks used", RATIO),
+    _column(
+        "change_ratio", pa.float64(), "(1 − iou) / (1 − bound), the greater of P's and Q's; null = bound near 1", RATIO
+    ),
     _column("hausdorff_p", pa.float64(), "symmetric Hausdorff distance of P's outlines", OF_L_C),
     _column("hausdorff_q", pa.float64(), "symmetric Hausdorff distance of Q's outlines", OF_L_C),
     _column("mean_distance_p", pa.float64(), "mean distance of P's outlines", OF_L_C),
     _column("mean_distance_q", pa.float64(), "mean distance of Q's outlines", OF_L_C),
+    _column("bending_p", pa.float64(), "bending energy of P's outline over the input's", RATIO),
+    _column("bending_q", pa.float64(), "bending energy of Q's outline over the input's", RATIO),
+    _column("direction_p", pa.float64(), "mean angle of P's outline to the input's at corresponding points", ANGLE),
+    _column("direction_q", pa.float64(), "mean angle of Q's outline to the input's at corresponding points", ANGLE),
     _column("overlap_p", pa.float64(), "certificate: overlap of P's pieces", AREA),
     _column("overlap_q", pa.float64(), "certificate: overlap of Q's pieces", AREA),
     _column("gap_p", pa.float64(), "certificate: area that P's pieces leave open", AREA),
@@ -146,6 +154,11 @@ TRANSFORMS = _schema(
     _column("lifted_hinges", _list(pa.int8()), "telescopic hinges: the pieces after one move a plane higher", "hinge"),
     _column("open_hinge", pa.int8(), "the hinge that is open: hinge j is before piece j, null = not planned", "hinge"),
     _column("motion_search", pa.string(), "which search found the motion, of several the last; null = not planned"),
+    _column("paper_iou", pa.float64(), "IoU of the worse shape by the paper's method; null = not compared", RATIO),
+    _column("paper_gaps", pa.float64(), "area of its gaps in the trunk of the greatest residual", AREA),
+    _column("paper_overlaps", pa.float64(), "area of its overlaps in that trunk", AREA),
+    _column("paper_outside", pa.float64(), "area of its pieces outside of that trunk", AREA),
+    _column("paper_hausdorff", pa.float64(), "symmetric Hausdorff distance of its worse shape", OF_L_C),
 )
 
 ERRORS = _schema(

@@ -19,9 +19,10 @@ from pipeline import tables
 from pipeline.artifact import Artifact
 from pipeline.results import Results, Row
 from pipeline.store import TEMPORARY, write_atomically
-from pipeline.work.construct import DEFORMATION, RESIDUALS
+from pipeline.work.construct import DEFORMATION, FIDELITY, RESIDUALS
 from pipeline.work.crs import unpack_scores
 from pipeline.work.motion import COLUMNS as MOTION
+from pipeline.work.paper import COLUMNS as PAPER
 from pipeline.work.qcrs import COLUMNS
 from pipeline.work.refine import bound
 from riot.cross import NO_SCORE, CrossScore
@@ -243,6 +244,7 @@ def _write_transforms(results: Results, folder: Path) -> list[Path]:
 def _transform_rows(results: Results) -> list[Row]:
     rows = []
     motions = {item.members: results.artifact(item) for item in results.work["motion"]}
+    papers = {item.members: results.artifact(item) for item in results.work.get("paper", ())}
     crs = {item.members: (rank, item) for rank, item in enumerate(results.work["crs"], start=1)}
     for item in results.work["construct"]:
         selected, cross = crs[item.members]
@@ -250,8 +252,9 @@ def _transform_rows(results: Results) -> list[Row]:
         if made is None or scored is None or made.document["status"] == "failed":
             continue
         document, best = made.document, _best_score(scored)
-        motion = motions.get(item.members)
+        motion, paper = motions.get(item.members), papers.get(item.members)
         planned = {} if motion is None else motion.document
+        compared = {} if paper is None else paper.document
         row: Row = {
             "selected": selected,
             **_pair(results, item.members),
@@ -260,9 +263,10 @@ def _transform_rows(results: Results) -> list[Row]:
             "crs": best.score,
             **{name: getattr(best, name) for name in ("s_edge", "s_angle", "s_area")},
             "n": document.get("n", best.n),
-            **{name: document.get(name) for name in DEFORMATION},
+            **{name: document.get(name) for name in (*DEFORMATION, *FIDELITY)},
             **{f"{name}_{side}": document.get(f"{name}_{side}") for name in ("bound", *RESIDUALS) for side in "pq"},
             **{name: planned.get(name) for name in MOTION},
+            **{name: compared.get(name) for name in PAPER},
             "riot": planned.get("riot", document.get("riot")),
         }
         if "iou_p" in document:
@@ -272,8 +276,8 @@ def _transform_rows(results: Results) -> list[Row]:
 
 
 def _least_deformed_first(row: Row) -> tuple[int, float, int]:
-    certified = row["status"] == "certified"
-    return (0 if certified else 1, -row["iou"] if certified else 0.0, row["selected"])
+    group = ("certified", "approximate", "rejected").index(row["status"])
+    return (group, -row["iou"] if group < 2 else 0.0, row["selected"])
 
 
 def _timings(results: Results) -> Iterator[Row]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pipeline.report.markup import facts, number, small
+from pipeline.report.markup import degrees, facts, number, small
 from pipeline.report.rows import TransformRow
 from riot.draw.animate import swing_of
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
@@ -55,25 +55,30 @@ def card(row: TransformRow, transform: Transform) -> Card:
         for side, name in sides
         for (_, words), found in zip(VIEWS, marks[side], strict=True)
     )
-    motion = transform.motion()
-    chain = tuple(chain_marks(drawn, motion.open_hinge))
+    # Pieces of an approximate transform overlap already when it is closed: no way to swing them is free.
+    motion = None if row.approximate else transform.motion()
+    chain = tuple(chain_marks(drawn, 0 if motion is None else motion.open_hinge))
     box = around([extent(chain, drawn.pieces)], MARGIN)
     straight = Scene(
         f"The chain of {len(drawn)} pieces laid straight: {row.name_p} below, {row.name_q} above",
         box, _pen(box, CHAIN_PENS), (), chain,
     )  # fmt: skip
-    swing = swing_of(transform, prefix)
+    moves = "" if motion is None else _moves(transform, prefix, motion.words)
     body = (
         f'<article class="card" id="t{row.rank}" aria-labelledby="h{row.rank}">'
         f'<header><span class="rank">{row.rank}</span><h3 id="h{row.rank}">{_names(row)}</h3>'
-        f'<p class="worth">IoU <b>{number(row.iou)}</b></p></header>'
+        f'<p class="worth">{"approximate, " if row.approximate else ""}IoU <b>{number(row.iou)}</b></p></header>'
         f'<div class="pictures"><div class="panels">{figures}</div><div class="moves">'
-        f"<figure>{fragment(swing.scene, prefix, swing.body, 'swing')}"
-        f"<figcaption>the chain {escape(motion.words)}</figcaption></figure>"
-        f"{_figure(straight, prefix, 'the chain, straight', 'chain')}</div></div>"
+        f"{moves}{_figure(straight, prefix, 'the chain, straight', 'chain')}</div></div>"
         f"{_numbers(row)}</article>\n"
     )
     return Card(definitions(drawn.pieces, prefix), body, _thumb(row, drawn, prefix, frames))
+
+
+def _moves(transform: Transform, prefix: str, words: str) -> str:
+    swing = swing_of(transform, prefix)
+    picture = fragment(swing.scene, prefix, swing.body, "swing")
+    return f"<figure>{picture}<figcaption>the chain {escape(words)}</figcaption></figure>"
 
 
 def _frames(drawn: Transform, marks: dict[str, list[list[Mark]]]) -> dict[str, Box]:
@@ -115,19 +120,21 @@ def _numbers(row: TransformRow) -> str:
     return facts(
         [
             ("pieces", str(row.n)),
-            ("QCRS", number(row.qcrs)),
-            ("CRS", number(row.crs)),
+            ("QCRS <i>·</i> CRS", both(row.qcrs, row.crs)),
             (
                 "edges · angles · area",
                 f"{number(row.s_edge)} <i>·</i> {number(row.s_angle)} <i>·</i> {number(row.s_area)}",
             ),
             ("IoU P · Q", both(row.iou_p, row.iou_q)),
             ("its bound", both(row.bound_p, row.bound_q)),
+            ("change / least", number(row.change_ratio)),
             ("Hausdorff / L<sub>c</sub>", both(row.hausdorff_p, row.hausdorff_q)),
             (
                 "mean distance / L<sub>c</sub>",
                 both(row.mean_distance_p, row.mean_distance_q, lambda value: number(value, 4)),
             ),
+            ("bending / input’s", both(row.bending_p, row.bending_q, lambda value: number(value, 2))),
+            ("directions off", both(row.direction_p, row.direction_q, degrees)),
             ("area residual", small(row.area_residual)),
             ("hinge residual", small(row.hinge_residual)),
         ]

@@ -18,6 +18,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{value:.{digits}f}"
 
 
+def degrees(value: float | None) -> str:
+    """An angle given in radians."""
+    return NOTHING if value is None or not math.isfinite(value) else f"{math.degrees(value):.1f}°"
+
+
 def small(value: float | None) -> str:
     """A residual: its order of magnitude is what matters."""
     if value is None or not math.isfinite(value):

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from pipeline.remarks import remarks, several
+from pipeline.report.beside import beside
 from pipeline.report.card import Card
 from pipeline.report.histogram import figure
-from pipeline.report.markup import NOTHING, count, number, seconds, section, table
+from pipeline.report.markup import NOTHING, count, number, seconds, section, small, table
 from pipeline.report.rows import Run, TransformRow
 from pipeline.report.style import style_sheet
 from riot.draw.svg import escape
@@ -28,6 +29,8 @@ ICON = (
 def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str]]) -> str:
     """The whole HTML text; ``lost`` are transforms whose file could not be read, with the reason."""
     name = dataset_name(run)
+    unseen = {row.rank for row, _ in lost}
+    compared = "" if run.comparison is None else beside(run.comparison, unseen)
     pieces = "".join(dict.fromkeys(one.definitions for one in cards))
     return (
         "<!DOCTYPE html>\n"
@@ -36,7 +39,7 @@ def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str
         f'<title>{escape(name)} · reversible transforms</title><link rel="icon" href="{ICON}">\n'
         f"<style>{style_sheet()}</style></head>\n<body>\n"
         f'<svg width="0" height="0" style="position:absolute" aria-hidden="true">{pieces}</svg>\n'
-        f"{_top(run, name)}<main>\n{_gallery(run, cards)}{_best(run, {row.rank for row, _ in lost})}"
+        f"{_top(run, name)}<main>\n{_gallery(run, cards)}{_best(run, unseen)}{compared}"
         f"{_scores(run)}{_timings(run)}{_rejected(run, lost)}{_errors(run)}{_settings(run)}</main>\n"
         "<footer>Written from the tables beside this page; it needs no network and no script.</footer>\n"
         "</body></html>\n"
@@ -52,22 +55,27 @@ def dataset_name(run: Run) -> str:
 
 
 def _top(run: Run, name: str) -> str:
-    certified = run.certified
-    best = f"{number(certified[0].iou)}" if certified else NOTHING
+    best = number(max((row.iou for row in run.made), default=None))
     took = sum(float(row["seconds"] or 0.0) for row in run.timings)
     tiles = [
         (f"shapes in {several(run.classes, 'class', 'classes')}" if run.classes else "shapes", count(run.shapes)),
         ("pairs scored" if run.search is None else f"of {count(run.search.pairs)} pairs kept", count(run.pairs)),
         ("pairs selected", count(run.selected)),
-        ("exact transforms", count(len(certified))),
+        (
+            ("exact and approximate transforms", f"{count(len(run.certified))} · {count(len(run.approximate))}")
+            if run.approximate
+            else ("exact transforms", count(len(run.certified)))
+        ),
         ("rejected", count(len(run.rejected))),
         ("errors", count(len(run.errors))),
         ("best IoU", best),
         ("time of all stages", seconds(took)),
     ]
     links = [
-        ("gallery", "Gallery"), ("best", "Best pairs"), ("scores", "Scores"), ("time", "Time"),
-        ("rejected", "Rejected"), ("errors", "Errors"), ("settings", "Settings"),
+        ("gallery", "Gallery"), ("best", "Best pairs"),
+        *([("beside", "Beside the paper’s method")] if run.comparison is not None else []),
+        ("scores", "Scores"), ("time", "Time"), ("rejected", "Rejected"), ("errors", "Errors"),
+        ("settings", "Settings"),
     ]  # fmt: skip
     contents = "".join(f'<a href="#{anchor}">{title}</a>' for anchor, title in links)
     cells = "".join(f"<div><dt>{escape(what)}</dt><dd>{value}</dd></div>" for what, value in tiles)
@@ -94,27 +102,39 @@ def _gallery(run: Run, cards: Sequence[Card]) -> str:
     thumbs = "".join(one.thumb for one in cards)
     note = (
         "Least deformed first. IoU compares what the pieces make with the input, of the worse of the two shapes; "
-        "no exact construction on the same trunks can pass its bound."
+        "no exact construction on the same trunks can pass its bound, and “change / least” is how much more area "
+        "changes than there. Bending energy and directions of the outline tell how much of the input’s detail is kept."
     )
+    if run.approximate:
+        note += (
+            " Approximate transforms, by the paper’s method, come after the exact ones: their pieces overlap and leave "
+            "gaps, as the residual says, and no motion is planned for them."
+        )
     body = f'<div class="thumbs">{thumbs}</div>\n{"".join(one.body for one in cards)}'
     return section("gallery", "Gallery", body, note)
 
 
 def _best(run: Run, lost: set[int]) -> str:
-    if not run.certified:
+    if not run.made:
         return section("best", "Best pairs", '<p class="empty">There are none.</p>')
-    head = ("", "pair", "n", "IoU", "IoU P", "IoU Q", "CRS", "QCRS", "Hausdorff / L<sub>c</sub>")
-    numeric = (True, False, *(True,) * 7)
+    head = (
+        "", "pair", "n", "IoU", "IoU P", "IoU Q", "change / least", "CRS", "QCRS", "Hausdorff / L<sub>c</sub>",
+        "residual",
+    )  # fmt: skip
+    numeric = (True, False, *(True,) * 9)
 
     def cells(row: TransformRow) -> list[str]:
         far = max(row.hausdorff_p, row.hausdorff_q)
         names = f"{escape(row.name_p)} ⇄ {escape(row.name_q)}"
         if row.rank not in lost:
             names = f'<a href="#t{row.rank}">{names}</a>'
-        values = (row.iou, row.iou_p, row.iou_q, row.crs, row.qcrs, far)
-        return [str(row.rank), f'<div class="pair">{names}</div>', str(row.n), *(number(value) for value in values)]
+        if row.approximate:
+            names += " (approximate)"
+        values = (row.iou, row.iou_p, row.iou_q, row.change_ratio, row.crs, row.qcrs, far)
+        pair = f'<div class="pair">{names}</div>'
+        return [str(row.rank), pair, str(row.n), *(number(value) for value in values), small(row.area_residual)]
 
-    rows = [cells(row) for row in run.certified]
+    rows = [cells(row) for row in run.made]
     body = table(head, rows[:SHOWN_PAIRS], numeric, "The least deformed transforms")
     if len(rows) > SHOWN_PAIRS:
         rest = table(head, rows[SHOWN_PAIRS:], numeric, "The other transforms")

@@ -14,6 +14,7 @@ import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 
 from pipeline import tables
+from pipeline.comparison import Comparison, read_comparison
 from pipeline.report.histogram import Distribution, distribution
 from pipeline.topk import Search, read_search
 from riot.errors import RiotError
@@ -54,12 +55,22 @@ class TransformRow:
     hausdorff_q: float
     mean_distance_p: float
     mean_distance_q: float
+    change_ratio: float
+    bending_p: float
+    bending_q: float
+    direction_p: float
+    direction_q: float
     overlap_p: float
     overlap_q: float
     gap_p: float
     gap_q: float
     hinge_p: float
     hinge_q: float
+
+    @property
+    def approximate(self) -> bool:
+        """Whether it is not exact: made by the paper's method."""
+        return self.status == "approximate"
 
     @property
     def area_residual(self) -> float:
@@ -91,6 +102,8 @@ class Run:
     qcrs: Distribution
     crs: Distribution
     iou: Distribution
+    comparison: Comparison | None
+    """The paper's method beside the exact one; None when nothing was made by both."""
     search: Search | None
     """What the search for partners took; None when all pairs were scored."""
 
@@ -106,9 +119,19 @@ class Run:
         return str(self.facts.get("configuration", {}).get("select", {}).get("policy", ""))
 
     @property
-    def certified(self) -> tuple[TransformRow, ...]:
-        """Transforms that have a file, best first."""
+    def made(self) -> tuple[TransformRow, ...]:
+        """Transforms that have a file: the certified ones, then the approximate ones, best first."""
         return tuple(row for row in self.transforms if row.file)
+
+    @property
+    def certified(self) -> tuple[TransformRow, ...]:
+        """Transforms that passed, best first."""
+        return tuple(row for row in self.made if not row.approximate)
+
+    @property
+    def approximate(self) -> tuple[TransformRow, ...]:
+        """Transforms by the paper's method, best first."""
+        return tuple(row for row in self.made if row.approximate)
 
     @property
     def rejected(self) -> tuple[TransformRow, ...]:
@@ -126,7 +149,8 @@ def read_run(folder: Path) -> Run:
         )
     facts = json.loads((folder / "run.json").read_text(encoding="utf-8"))
     shapes = pq.read_table(folder / "shapes.parquet", columns=["class"]).column("class").to_pylist()
-    transforms = tuple(_transform_row(row) for row in _rows(folder, "transforms"))
+    made, timings = _rows(folder, "transforms"), _rows(folder, "timings")
+    transforms = tuple(_transform_row(row) for row in made)
     # Closing over the count keeps the pass over all pairs a single one.
     lonely = [0]
 
@@ -146,11 +170,12 @@ def read_run(folder: Path) -> Run:
         selected=pq.read_metadata(folder / "selected.parquet").num_rows,
         transforms=transforms,
         errors=tuple(_rows(folder, "errors")),
-        timings=tuple(_rows(folder, "timings")),
+        timings=tuple(timings),
         s_r=distribution([_column(folder, "reversibility", "score")]),
         qcrs=qcrs,
         crs=distribution([_column(folder, "crs", "score")]),
         iou=distribution([np.array([row.iou for row in transforms if row.file])]),
+        comparison=read_comparison(made, timings),
         search=_search(folder / "qcrs"),
     )
 

@@ -79,7 +79,7 @@ content-visibility:auto;contain-intrinsic-size:auto 640px;scroll-margin-top:16px
 .swing{max-height:280px}
 .chain{max-height:190px}
 figcaption{text-align:center;font-size:.8rem;line-height:1.35;color:var(--r-muted);margin-top:.35rem}
-.facts{display:grid;grid-template-columns:repeat(5,auto);gap:.7rem 1.4rem;margin:18px 0 0;padding-top:14px;
+.facts{display:grid;grid-template-columns:repeat(6,auto);gap:.7rem 1.4rem;margin:18px 0 0;padding-top:14px;
 border-top:1px solid var(--line)}
 .facts dt{font-size:.78rem;color:var(--r-muted)}
 .facts dd{margin:0;white-space:nowrap;font-size:.95rem}
@@ -91,8 +91,8 @@ summary{cursor:pointer;padding:.3rem 0;color:var(--link)}
 .tree td{overflow-wrap:anywhere}
 .empty{color:var(--r-muted);font-style:italic}
 footer{padding-top:56px;padding-bottom:64px;color:var(--r-muted);font-size:.88rem}
-@media (max-width:860px){.pictures{grid-template-columns:minmax(0,1fr)}
-.facts{grid-template-columns:repeat(auto-fill,minmax(145px,1fr))}}
+@media (max-width:1080px){.facts{grid-template-columns:repeat(auto-fill,minmax(145px,1fr))}}
+@media (max-width:860px){.pictures{grid-template-columns:minmax(0,1fr)}}
 @media (max-width:560px){
 main,.top,footer{padding-left:14px;padding-right:14px}
 .top{padding-top:32px}

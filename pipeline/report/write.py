@@ -24,7 +24,7 @@ def write_report(run_dir: Path) -> Path:
     run = read_run(run_dir)
     cards: list[Card] = []
     lost: list[tuple[TransformRow, str]] = []
-    for row in run.certified:
+    for row in run.made:
         try:
             text = (run_dir / row.file).read_text(encoding="utf-8", errors="replace")
             cards.append(card(row, from_json(text, row.file)))

@@ -1,6 +1,7 @@
 """A small finished run, made of exact pairs and invented scores, for tests of what reads a run's folder."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,9 @@ NAMES = (
     ("a-very-long-name-of-a-silhouette-that-somebody-typed-in-one-evening", "x"),
     ("</script><svg onload=1>", "../\x01\x7f"),
 )
+
+
+COMPARED = 2
 
 
 def worn(transform, names, amplitude=0.02):
@@ -40,14 +44,21 @@ def transforms(count=4):
     ]
 
 
-def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40):
-    """Write a run's folder as the pipeline does; returns the transforms in order of rank."""
+def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40, approximate=()):
+    """Write a run's folder as the pipeline does; returns the transforms in order of rank.
+
+    The first `COMPARED` are compared with invented ones by the paper's method; ``approximate`` ones are listed after.
+    """
     made = transforms() if made is None else made
     rng = np.random.default_rng(7)
     (folder / "transforms").mkdir(parents=True)
     made = sorted(made, key=lambda one: -one.deformation().iou)
     rows = [_certified(folder, rank, transform) for rank, transform in enumerate(made, start=1)]
-    rows += [_rejected(len(made) + k + 1) for k in range(rejected)]
+    rows += [
+        _certified(folder, rank, transform) | {"status": "approximate", "reason": "method", "message": "not exact"}
+        for rank, transform in enumerate(approximate, start=len(made) + 1)
+    ]
+    rows += [_rejected(len(rows) + k + 1) for k in range(rejected)]
     pairs = [(i, j) for i in range(shapes) for j in range(i + 1, shapes)]
     scores = rng.beta(1.2, 6.0, len(pairs))
     blocks = [
@@ -67,7 +78,9 @@ def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40):
     write_table(folder, "transforms", rows)
     write_table(folder, "errors", [_error(k) for k in range(errors)])
     write_table(
-        folder, "timings", [_timing(k, name) for k, name in enumerate(("ingest", "trunks", "qcrs", "construct"))]
+        folder,
+        "timings",
+        [_timing(k, name) for k, name in enumerate(("ingest", "trunks", "qcrs", "construct", "paper"))],
     )
     facts = {
         "dataset": "fake & <small>",
@@ -99,7 +112,11 @@ def _certified(folder, rank, transform):
     row |= {name: getattr(deformation, name) for name in ("mean_distance_p", "mean_distance_q")}
     for side, of in (("p", certificate.p), ("q", certificate.q)):
         row |= {f"overlap_{side}": of.overlap, f"gap_{side}": of.gap, f"hinge_{side}": of.hinge}
-    row |= {"bound_p": transform.bound_p, "bound_q": transform.bound_q}
+    row |= {"bound_p": transform.bound_p, "bound_q": transform.bound_q, "change_ratio": 1.0 + 0.01 * rank}
+    row |= {"bending_p": 1.25, "bending_q": 0.75, "direction_p": math.radians(1.5), "direction_q": math.radians(2.5)}
+    if rank <= COMPARED:
+        areas = {"paper_gaps": 0.0121, "paper_overlaps": 0.0232, "paper_outside": 0.0343}
+        row |= {"paper_iou": row["iou"] - 0.01 * rank, "paper_hausdorff": 0.0454} | areas
     return row | _pair(rank, transform.p.name, transform.q.name)
 
 

@@ -95,6 +95,8 @@ def test_selected_pairs_are_the_best_and_become_transforms(finished: Path) -> No
     for pair in bounds.keys() - made:
         assert bounds[pair] <= least or max(times[number] for number in pair) == 2
     certified = [row for row in transforms if row["status"] == "certified"]
+    assert all(row["change_ratio"] > 0.99 and row["paper_iou"] is None for row in certified)  # type: ignore[operator]
+    assert all(row["bending_p"] > 0.0 and 0.0 < row["direction_q"] < 0.5 for row in certified)  # type: ignore[operator]
     assert [row["iou"] for row in certified] == sorted((row["iou"] for row in certified), reverse=True)  # type: ignore[type-var]
     for row in certified:
         transform = Transform.load(finished / "outputs" / "folder" / str(row["file"]))
@@ -153,13 +155,20 @@ def test_one_more_picture_costs_its_own_batch_and_blocks(copied: Path, root: Pat
 
 
 def test_a_parameter_redoes_what_reads_it_and_explains(copied: Path, root: Path) -> None:
-    explained = run(copied, root, "crs.sigma_area=0.25", "--explain")
+    explained = run(copied, root, "crs.sigma_area=0.25", "compare=1", "--explain")
     assert explained.returncode == CLEAN
     assert "crs: 6 of 6 to do" in explained.stdout and "parameters.crs.sigma_area 0.3 → 0.25" in explained.stdout
-    assert "qcrs: all" in explained.stdout
-    assert run(copied, root, "crs.sigma_area=0.25", "cluster=sync").returncode == CLEAN
+    assert "qcrs: all" in explained.stdout and "paper: known after construction" in explained.stdout
+    done = run(copied, root, "crs.sigma_area=0.25", "compare=1", "cluster=sync")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
     counts = stages(copied)
     assert counts["qcrs"]["computed"] == 0 and counts["trunks_full"]["computed"] == 0 and counts["crs"]["computed"] == 6
+    # The best one was made by the paper's method too.
+    best, *others = table(copied, "transforms")
+    assert counts["paper"]["computed"] == 1 and 0.5 < best["paper_iou"] < 1.0  # type: ignore[operator]
+    assert all(row["paper_iou"] is None for row in others)
+    assert "Beside the paper's method" in done.stdout
+    assert '<section id="beside">' in (copied / "outputs" / "folder" / "report.html").read_text()
 
 
 def test_a_damaged_artifact_is_made_again(copied: Path, finished: Path, root: Path) -> None:
@@ -324,12 +333,22 @@ def test_what_cannot_start_says_why_and_does_nothing(arguments: list[str], words
 
 def test_a_sweep_shares_what_its_parameters_do_not_touch(copied: Path, root: Path) -> None:
     before = digests(copied)
-    done = run(copied, root, "cluster=sync", "-m", "crs.sigma_area=0.3,0.25")
+    done = run(copied, root, "cluster=sync", "-m", "construct.method=exact,laplacian")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     assert done.stdout.count("Time per stage") == 2
-    counts = [stages(copied, point) for point in ("crs.sigma_area=0.3", "crs.sigma_area=0.25")]
-    assert [one["trunks_full"]["computed"] for one in counts] == [0, 0]
-    assert [one["crs"]["computed"] for one in counts] == [0, 3]
+    points = [f"construct.method={method}" for method in ("exact", "laplacian")]
+    counts = [stages(copied, point) for point in points]
+    assert [one["refine"]["computed"] for one in counts] == [0, 0]
+    assert [one["construct"]["computed"] for one in counts] == [0, 3]
+    # What the paper's method makes is listed as what it is, and gets no motion.
+    folder = copied / "outputs" / points[1] / "folder"
+    approximate = pq.read_table(folder / "transforms.parquet").to_pylist()
+    assert {row["status"] for row in approximate} == {"approximate"} and counts[1]["motion"]["total"] == 0
+    assert all(row["gap_p"] > 0.0 and row["swings_flat"] is None for row in approximate)
+    assert [row["iou"] for row in approximate] == sorted((row["iou"] for row in approximate), reverse=True)
+    made = Transform.load(folder / approximate[0]["file"])
+    assert not made.certificate().passed and made.plan is None
+    assert "3 transforms are approximate" in done.stdout
     assert digests(copied) == before  # a sweep leaves the plain run's tables alone
 
 

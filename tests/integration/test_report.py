@@ -15,7 +15,10 @@ from pipeline.report import write_report
 from pipeline.report.histogram import CELLS, distribution
 from pipeline.report.markup import small
 from pipeline.report.rows import ReportError, read_run
+from pipeline.work.paper import same_trunks
+from riot.construct.laplacian import construct_laplacian
 from riot.draw.palette import hue
+from riot.parameters import ConstructParameters
 
 VOID = {"meta", "link", "br", "hr", "img", "input"}
 
@@ -140,9 +143,42 @@ def test_numbers_are_those_of_the_tables(run):
     folder, _, text = run
     for one, row in zip(cards(text), read_run(folder).certified, strict=True):
         shown = "".join(ET.fromstring(one).find("dl").itertext())
-        for value in (row.qcrs, row.crs, row.s_area, row.iou_p, row.bound_q, row.hausdorff_p):
+        for value in (row.qcrs, row.crs, row.s_area, row.iou_p, row.bound_q, row.hausdorff_p, row.change_ratio):
             assert f"{value:.3f}" in shown
+        assert "1.25 · 0.75" in shown and "1.5° · 2.5°" in shown
         assert f"IoU {row.iou:.3f}" in "".join(ET.fromstring(one).find("header").itertext())
+
+
+def test_the_papers_method_stands_beside(run):
+    _, made, text = run
+    section = ET.fromstring(re.search('<section id="beside">.*?</section>', text, flags=re.DOTALL).group(0))
+    rows = [list(row.iter("td")) for row in section.iter("tr")][1:]
+    assert len(rows) == fake_run.COMPARED + 1
+    ious = [one.deformation().iou for one in made[: fake_run.COMPARED]]
+    for rank, (row, iou) in enumerate(zip(rows, ious, strict=False), start=1):
+        assert row[0].find(".//a").get("href") == f"#t{rank}"
+        shown = ["".join(cell.itertext()) for cell in row[1:]]
+        assert shown[:2] == [f"{iou:.3f}", f"{iou - 0.01 * rank:.3f}"]
+        assert shown[3:6] == ["0.0121", "0.0232", "0.0343"] and shown[-1] == "0.0454"
+    assert "".join(rows[-1][0].itertext()) == "median"
+    assert rows[-1][1].text == f"{sum(ious) / 2:.3f}"
+    assert '<a href="#beside">' in text
+
+
+def test_approximate_transforms_come_after_the_exact_ones(tmp_path):
+    exact = fake_run.transforms(1)
+    plan = same_trunks(exact[0], ConstructParameters().snap, 0.1)
+    paper = construct_laplacian(plan, ConstructParameters())
+    fake_run.write_fake_run(tmp_path, made=exact, rejected=1, approximate=[paper])
+    found = read_run(tmp_path)
+    assert [len(rows) for rows in (found.certified, found.approximate, found.rejected)] == [1, 1, 1]
+    assert found.approximate[0].area_residual > 1e-6
+    text = write_report(tmp_path).read_text(encoding="utf-8")
+    first, second = map(ET.fromstring, cards(text))
+    assert "approximate" not in "".join(first.itertext()) and "approximate, IoU" in "".join(second.itertext())
+    assert len(first.findall(".//svg")) == 8 and len(second.findall(".//svg")) == 7  # no swing
+    shown = "".join(Page(text).text)
+    assert "exact and approximate transforms1 · 1" in shown and "(approximate)" in shown
 
 
 def test_names_of_shapes_are_text(run, parsed):
@@ -191,6 +227,7 @@ def test_a_run_that_found_nothing_has_a_report(tmp_path):
     page = Page(write_report(tmp_path).read_text(encoding="utf-8"))
     shown = "".join(page.text)
     assert "No transform was constructed" in shown and "No construction was rejected" in shown
+    assert "Beside the paper" not in shown
     assert not page.all("article")
 
 
@@ -233,6 +270,7 @@ def test_a_lost_transform_does_not_stop_the_report(tmp_path):
     assert f"transforms/{files[0].name} is gone" in shown and "has version 99" in shown
     assert str(tmp_path) not in text
     assert not {link["href"] for link in page.all("a")} & {"#t1", "#t2"}
+    assert '<section id="beside">' in text
 
 
 def test_many_errors_are_cut_and_counted(tmp_path):

@@ -1,0 +1,95 @@
+"""The paper's method beside the exact one, on the pairs of a run that were made by both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import astuple, dataclass
+from statistics import median
+from typing import Any
+
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Made:
+    """One transform by one of the two, as `transforms` has it: areas of unit-area shapes, lengths in ``L_c``.
+
+    ``iou`` and ``hausdorff`` are of the worse shape; an exact one's residual is its certificate's, as ``gaps`` and
+    ``overlaps`` of the worse assembly.
+    """
+
+    iou: float
+    gaps: float
+    overlaps: float
+    outside: float
+    hausdorff: float
+
+    @property
+    def residual(self) -> float:
+        """Gaps, overlaps and outside together."""
+        return self.gaps + self.overlaps + self.outside
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One pair, by its row in `transforms`."""
+
+    rank: int
+    name_p: str
+    name_q: str
+    exact: Made
+    paper: Made
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All pairs that were made by both, and the mean time that the stages took for a pair, nan = not known."""
+
+    pairs: tuple[Compared, ...]
+    seconds_exact: float
+    seconds_paper: float
+
+    @property
+    def medians(self) -> tuple[Made, Made]:
+        """Of each figure by itself: exact, and the paper's."""
+        return _medians(pair.exact for pair in self.pairs), _medians(pair.paper for pair in self.pairs)
+
+    @property
+    def remark(self) -> str:
+        """What came of it, in a sentence."""
+        exact, paper = self.medians
+        residual = median(pair.paper.residual for pair in self.pairs)
+        said = (
+            f"Beside the paper's method, on the same trunks ({len(self.pairs)} of the best): median IoU "
+            f"{exact.iou:.3f} exact, {paper.iou:.3f} the paper's, whose pieces leave "
+            f"{residual:.1g} of gaps, overlaps and outside"
+        )
+        if math.isfinite(self.seconds_exact) and math.isfinite(self.seconds_paper):
+            said += f"; {self.seconds_exact:.2g} s and {self.seconds_paper:.2g} s a pair"
+        return f"{said}."
+
+
+def read_comparison(transforms: Iterable[Row], timings: Iterable[Row]) -> Comparison | None:
+    """From the rows of `transforms` and `timings`; None if no pair was made by both."""
+    pairs = tuple(_compared(row) for row in transforms if row.get("paper_iou") is not None)
+    if not pairs:
+        return None
+    times = {str(row["stage"]): _seconds(row) for row in timings}
+    return Comparison(pairs, times.get("construct", math.nan), times.get("paper", math.nan))
+
+
+def _medians(made: Iterable[Made]) -> Made:
+    return Made(*(median(column) for column in zip(*map(astuple, made), strict=True)))
+
+
+def _compared(row: Row) -> Compared:
+    gaps, overlaps = max((abs(row[f"gap_{side}"]), abs(row[f"overlap_{side}"])) for side in "pq")
+    exact = Made(row["iou"], gaps, overlaps, 0.0, max(row["hausdorff_p"], row["hausdorff_q"]))
+    names = ("paper_iou", "paper_gaps", "paper_overlaps", "paper_outside", "paper_hausdorff")
+    return Compared(row["rank"], row["name_i"], row["name_j"], exact, Made(*(row[name] for name in names)))
+
+
+def _seconds(row: Row) -> float:
+    made, seconds = row["cached"] + row["computed"], row.get("stored_seconds")
+    return float(seconds) / made if made and seconds is not None else math.nan

@@ -1,0 +1,44 @@
+"""The section that sets the paper's method beside the exact one."""
+
+from __future__ import annotations
+
+from collections.abc import Set
+
+from pipeline.comparison import Compared, Comparison, Made
+from pipeline.report.markup import number, seconds, section, small, table
+from riot.draw.svg import escape
+
+HEAD = (
+    "pair", "IoU, exact", "paper’s", "residual, exact", "gaps, paper’s", "overlaps", "outside",
+    "Hausdorff / L<sub>c</sub>, exact", "paper’s",
+)  # fmt: skip
+
+
+def beside(comparison: Comparison, lost: Set[int]) -> str:
+    """The section; its last row are medians. Ranks in ``lost`` have no card to lead to."""
+    rows = [_cells(_name(pair, pair.rank not in lost), pair.exact, pair.paper) for pair in comparison.pairs]
+    rows.append(_cells("<b>median</b>", *comparison.medians))
+    note = (
+        "The best transforms, made by the paper’s method too on the same trunks. IoU and Hausdorff distance are of the "
+        "worse shape; gaps, overlaps and pieces outside are areas in the trunk that has more of them (shapes have 1). "
+        f"Time of a pair: {seconds(comparison.seconds_exact)} exact, {seconds(comparison.seconds_paper)} the paper’s."
+    )
+    body = table(HEAD, rows, (False, *(True,) * 8), "Both methods, pair by pair")
+    return section("beside", "Beside the paper’s method", f'<div class="sheet">{body}</div>', note)
+
+
+def _name(pair: Compared, linked: bool) -> str:
+    names = f"{escape(pair.name_p)} ⇄ {escape(pair.name_q)}"
+    return f'<a href="#t{pair.rank}">{names}</a>' if linked else names
+
+
+def _cells(name: str, exact: Made, paper: Made) -> list[str]:
+    return [
+        f'<div class="pair">{name}</div>',
+        number(exact.iou),
+        number(paper.iou),
+        small(exact.residual),
+        *(number(value, 4) for value in (paper.gaps, paper.overlaps, paper.outside)),
+        number(exact.hausdorff, 4),
+        number(paper.hausdorff, 4),
+    ]
