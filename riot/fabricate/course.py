@@ -1,0 +1,84 @@
+"""Where the pieces that share a plane are, one in the frame of another, all along the planned motion. Ours."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from riot.motion import Motion
+from riot.motion.motion import LIFT
+from riot.shape import FloatArray, IntArray
+
+STEP = math.radians(2.0)
+"""Greatest turn of one piece against another between two samples."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Pieces that keep to one plane together, sampled along the motion.
+
+    Parameters
+    ----------
+    pieces : (m,) int64
+        In chain order.
+    times : (k,) float64
+        Of the samples, as the motion counts them.
+    headings : (k, m) float64
+        Of the pieces, radians, the first being 0.
+    points : (k, m + 1, 2) float64
+        Where each piece starts, and the last one ends, in the frame of the first; mm.
+    """
+
+    pieces: IntArray
+    times: FloatArray
+    headings: FloatArray
+    points: FloatArray
+
+    def seen_from(self, member: int, points: FloatArray) -> FloatArray:
+        """(k, 2) points, one a sample, given in the first piece's frame, in that of a member's; mm."""
+        local = points - self.points[:, member]
+        c, s = np.cos(self.headings[:, member]), np.sin(self.headings[:, member])
+        return np.stack([c * local[:, 0] + s * local[:, 1], c * local[:, 1] - s * local[:, 0]], axis=1)
+
+    def place(self, member: int, sample: int, points: FloatArray) -> FloatArray:
+        """(k, 2) points of a member's frame in the first piece's frame at one sample; mm."""
+        heading = float(self.headings[sample, member])
+        c, s = math.cos(heading), math.sin(heading)
+        placed: FloatArray = points @ np.array([[c, s], [-s, c]]) + self.points[sample, member]
+        return placed
+
+
+def stretches(motion: Motion, scale: float) -> list[Stretch]:
+    """The stretches of the chain between the open hinge and the lifting ones, lowest plane first.
+
+    Samples are so close that no piece turns by more than `STEP` against another between two of them.
+    """
+    n = len(motion.chain.lengths)
+    cuts = (motion.open_hinge, *motion.lifted)
+    lengths = scale * motion.chain.lengths
+    found = []
+    for cut, following in zip(cuts, (*cuts[1:], cuts[0]), strict=True):
+        size = (following - cut - 1) % n + 1
+        pieces = (cut + np.arange(size)) % n
+        times, turns = _sampled(motion, pieces[1:])
+        headings = np.concatenate([np.zeros((len(times), 1)), np.cumsum(turns, axis=1)], axis=1)
+        edges = lengths[pieces][None, :, None] * np.stack([np.cos(headings), np.sin(headings)], axis=2)
+        points = np.concatenate([np.zeros((len(times), 1, 2)), np.cumsum(edges, axis=1)], axis=1)
+        found.append(Stretch(pieces, times, headings, points))
+    return found
+
+
+def _sampled(motion: Motion, hinges: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Times, and (k, h) turns of these hinges at them."""
+    first, last = (0.0, 1.0) if motion.flat else (LIFT, 1.0 - LIFT)
+    moving = (motion.times >= first) & (motion.times <= last)
+    stops, turns = motion.times[moving], motion.turns[moving][:, hinges]
+    times, found = [stops[:1]], [turns[:1]]
+    for k in range(len(stops) - 1):
+        swung = float(np.abs(turns[k + 1] - turns[k]).sum())
+        shares = np.arange(1, max(1, math.ceil(swung / STEP)) + 1) / max(1, math.ceil(swung / STEP))
+        times.append(stops[k] + shares * (stops[k + 1] - stops[k]))
+        found.append(turns[k] + shares[:, None] * (turns[k + 1] - turns[k]))
+    return np.concatenate(times), np.concatenate(found)

@@ -1,0 +1,171 @@
+"""From a transform to the flat pieces of a puzzle with hinges, in millimetres (paper §4.4, theory §9). Ours.
+
+The piece after a hinge is its female side: the outer two knuckles; the piece before it the male: the middle one. A
+piece makes room for its neighbour's knuckles at their heights, and at all heights for those of other pieces, wherever
+the planned motion takes them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import shapely
+
+from riot.fabricate.course import stretches
+from riot.fabricate.errors import FabricationError
+from riot.fabricate.layers import make_slabs
+from riot.fabricate.model import Design, HingeEnd, Kind, PieceDesign, Pin
+from riot.fabricate.outlines import corner, make_outline, narrowest
+from riot.fabricate.parameters import FabricationParameters
+from riot.fabricate.sweep import cleared, keep_hinges_apart
+from riot.fabricate.telescope import Ring, Telescope, make_telescope
+from riot.motion import Motion, MotionParameters, plan_motion
+from riot.polyline import extent
+from riot.shape import FloatArray
+from riot.transform import Transform
+
+NARROW = math.radians(25.0)
+"""A corner at a hinge narrower than this is weak."""
+
+GREAT_LOSS = 0.02
+"""A share of a piece's area that is worth telling."""
+
+ALIKE = 1.005
+"""Clearances that differ by less than this factor are the same: 0.35 mm of 120 mm are 0.00292, rounded."""
+
+
+def design(transform: Transform, parameters: FabricationParameters | None = None) -> Design:
+    """Design the puzzle of a transform; deterministic.
+
+    The transform's motion is kept if it allows for the gap and the hinges' relief at this size, or planned again.
+
+    Raises `riot.fabricate.errors.FabricationError` if the transform's certificate fails, or for what cannot exist at
+    this size, naming the parameter that would mend it.
+    """
+    parameters = parameters or FabricationParameters()
+    certificate = transform.certificate()
+    if not certificate.passed:
+        raise FabricationError(
+            "uncertified", f"the transform is not exact ({certificate.failure}): construct it again with riot make"
+        )
+    side = max(extent(transform.outline_p()), extent(transform.outline_q()))
+    scale = parameters.size_mm / side
+    motion = _motion(transform, parameters, scale)
+    telescope = make_telescope(parameters) if motion.lifted else None
+    ends = _ends(motion, parameters, telescope, scale)
+    course = stretches(motion, scale)
+    keep_hinges_apart(ends, course, transform, parameters, scale)
+
+    raw = [scale * piece.polygon for piece in transform.pieces]
+    outlines = [make_outline(points, i, parameters) for i, points in enumerate(raw)]
+    bodies = cleared(outlines, ends, course, transform, parameters.gap_mm, scale)
+    pieces, warnings = [], []
+    for i, piece in enumerate(transform.pieces):
+        made = _piece(i, scale * piece.length, outlines[i], bodies[i], ends[i], parameters)
+        pieces.append(made)
+        warnings += _remarks(made, raw[i], parameters)
+    count = sum(end.kind == "pin" for _, end in ends)
+    pins = (Pin(parameters.pin_mm, parameters.height, count),) if count else ()
+    return Design(transform, parameters, scale, motion, tuple(pieces), pins, telescope, tuple(warnings))
+
+
+def _motion(transform: Transform, parameters: FabricationParameters, scale: float) -> Motion:
+    """The transform's plan if the pieces of this design are within the bodies that it was planned for."""
+    gap, relief = parameters.gap_mm / scale, parameters.relief_radius / scale
+    motion = transform.motion()
+    if motion.gap <= gap * ALIKE and motion.relief <= relief * ALIKE:
+        return motion
+    side = parameters.size_mm / scale
+    return plan_motion(transform, MotionParameters(gap=gap / side, relief=relief / side))
+
+
+def _ends(
+    motion: Motion, parameters: FabricationParameters, telescope: Telescope | None, scale: float
+) -> list[tuple[HingeEnd, HingeEnd]]:
+    """Start and end of every piece."""
+    n = len(motion.chain.lengths)
+    return [
+        (
+            _female(i, motion, parameters, telescope),
+            _male((i + 1) % n, scale * float(motion.chain.lengths[i]), motion, parameters, telescope),
+        )
+        for i in range(n)
+    ]
+
+
+def _kind(hinge: int, motion: Motion) -> Kind:
+    if hinge == motion.open_hinge:
+        return "open"
+    return "telescopic" if hinge in motion.lifted else "pin"
+
+
+def _female(hinge: int, motion: Motion, parameters: FabricationParameters, telescope: Telescope | None) -> HingeEnd:
+    """The start of the piece after a hinge; of a telescopic one the upper side, with the rod."""
+    kind, height = _kind(hinge, motion), parameters.height
+    if kind == "open":
+        return HingeEnd(hinge, kind, "none", 0.0, 0.0, (), (), 0.0)
+    if kind == "telescopic":
+        assert telescope is not None
+        room = telescope.radius + parameters.gap_mm
+        return HingeEnd(hinge, kind, "male", 0.0, 0.0, telescope.rod, ((0.0, telescope.cap_height),), room)
+    lower, _, _, upper = parameters.levels
+    radius, hole = parameters.knuckle_radius, 0.5 * parameters.pin_mm + parameters.play_mm
+    rings = Ring(0.0, lower, radius, hole), Ring(upper, height, radius, hole)
+    return HingeEnd(hinge, kind, "female", 0.0, 0.0, rings, ((lower, upper),), parameters.relief_radius)
+
+
+def _male(
+    hinge: int, x: float, motion: Motion, parameters: FabricationParameters, telescope: Telescope | None
+) -> HingeEnd:
+    """The end of the piece before a hinge; of a telescopic one the lower side, with the barrel."""
+    kind, height = _kind(hinge, motion), parameters.height
+    if kind == "open":
+        return HingeEnd(hinge, kind, "none", x, 0.0, (), (), 0.0)
+    if kind == "telescopic":
+        assert telescope is not None
+        room = telescope.radius + parameters.gap_mm
+        return HingeEnd(hinge, kind, "female", x, 0.0, telescope.barrel, ((telescope.barrel_height, height),), room)
+    _, low, high, _ = parameters.levels
+    radius, hole = parameters.knuckle_radius, 0.5 * parameters.pin_mm + parameters.clearance_mm
+    rings = (Ring(low, high, radius, hole),)
+    return HingeEnd(hinge, kind, "male", x, 0.0, rings, ((0.0, low), (high, height)), parameters.relief_radius)
+
+
+def _piece(
+    index: int,
+    length: float,
+    outline: shapely.Polygon,
+    body: shapely.Polygon,
+    ends: tuple[HingeEnd, HingeEnd],
+    parameters: FabricationParameters,
+) -> PieceDesign:
+    return PieceDesign(
+        index,
+        length,
+        shapely.get_coordinates(outline.exterior)[:-1],
+        body,
+        *ends,
+        make_slabs(index, body, ends, parameters),
+        1.0 - float(body.area) / float(outline.area),
+    )
+
+
+def _remarks(piece: PieceDesign, raw: FloatArray, parameters: FabricationParameters) -> list[str]:
+    """What is weak in a piece, or lost."""
+    said = []
+    for end in (piece.start, piece.end):
+        angle = corner(raw, end.x, end.relief_radius) if end.kind != "open" else math.pi
+        if angle < NARROW:
+            said.append(
+                f"{piece.name}: its corner at hinge {end.hinge} is only {math.degrees(angle):.0f}° wide: "
+                "print it strong (more walls, a larger size_mm)"
+            )
+    wall = narrowest(piece)
+    if wall < 2.0 * parameters.wall_mm:
+        said.append(
+            f"{piece.name}: {wall:.1f} mm wide at its narrowest, less than two walls of {parameters.wall_mm:g} mm; "
+            "a larger size_mm helps"
+        )
+    if piece.lost > GREAT_LOSS:
+        said.append(f"{piece.name}: other pieces' hinges take {piece.lost:.1%} of it; a smaller pin_mm takes less")
+    return said

@@ -1,0 +1,189 @@
+"""A design: the flat pieces of the puzzle in millimetres, their hinges and the layers of their solids. Ours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import shapely
+
+from riot.fabricate.parameters import FabricationParameters
+from riot.fabricate.telescope import Ring, Telescope
+from riot.motion import Motion
+from riot.pose import Pose
+from riot.shape import FloatArray
+from riot.transform import Transform
+
+Kind = Literal["pin", "telescopic", "open"]
+Role = Literal["male", "female", "none"]
+
+
+@dataclass(frozen=True)
+class HingeEnd:
+    """What one piece has at one of its two hinges.
+
+    Parameters
+    ----------
+    hinge : int
+        Which hinge of the transform.
+    kind : "pin", "telescopic" or "open"
+        An open hinge has no knuckles: it joins nothing.
+    role : "male", "female" or "none"
+        Male: the middle knuckle, or the rod of a telescopic hinge; female: the outer two, or the barrel.
+    x, y : float
+        The axis in the piece's frame, mm.
+    rings : tuple of Ring
+        The knuckles, or the barrel, or the rod and its cap.
+    relief : tuple of (float, float)
+        Heights between which the piece makes room for its neighbour's knuckles, mm.
+    relief_radius : float
+        Of that room, mm.
+    """
+
+    hinge: int
+    kind: Kind
+    role: Role
+    x: float
+    y: float
+    rings: tuple[Ring, ...]
+    relief: tuple[tuple[float, float], ...]
+    relief_radius: float
+
+    @property
+    def radius(self) -> float:
+        """Of the widest knuckle, mm; 0 at an open hinge."""
+        return max((ring.radius for ring in self.rings), default=0.0)
+
+    @property
+    def hole_mm(self) -> float:
+        """Diameter of the pin's hole; 0 if there is none."""
+        return 2.0 * max((ring.hole for ring in self.rings), default=0.0) if self.kind == "pin" else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Slab:
+    """A layer of a solid between the heights ``low`` and ``high`` (mm): every level cut in it is ``section``."""
+
+    low: float
+    high: float
+    section: shapely.Geometry
+
+    @property
+    def volume(self) -> float:
+        """In mm³."""
+        return float(self.section.area) * (self.high - self.low)
+
+
+@dataclass(frozen=True, eq=False)
+class PieceDesign:
+    """One piece, in its own frame in mm: the trunk edge on the x-axis from (0, 0) to (length, 0), z up.
+
+    Parameters
+    ----------
+    index : int
+        In the chain.
+    length : float
+        Of its trunk edge.
+    outline : (m, 2) float64
+        The flat piece, counter-clockwise, each point once: half the outline gap is taken off all round; no hinges.
+    body : shapely.Polygon
+        The same without what other pieces' knuckles sweep on their way.
+    start, end : HingeEnd
+        At (0, 0), hinge ``index``, and at (length, 0), the next hinge.
+    slabs : tuple of Slab
+        The solid, from the lowest layer up.
+    lost : float
+        Share of the outline's area that other pieces' knuckles take.
+    """
+
+    index: int
+    length: float
+    outline: FloatArray
+    body: shapely.Polygon
+    start: HingeEnd
+    end: HingeEnd
+    slabs: tuple[Slab, ...]
+    lost: float
+
+    @property
+    def name(self) -> str:
+        """As in file names: ``piece-1`` is piece 0."""
+        return f"piece-{self.index + 1}"
+
+    @property
+    def footprint(self) -> shapely.Geometry:
+        """All that is solid at some height, holes filled."""
+        return filled(shapely.union_all([slab.section for slab in self.slabs]))
+
+    @property
+    def volume(self) -> float:
+        """Sum of the layers', mm³."""
+        return sum(slab.volume for slab in self.slabs)
+
+
+@dataclass(frozen=True)
+class Pin:
+    """Pivot pins of one kind: diameter and length in mm, and how many."""
+
+    diameter: float
+    length: float
+    count: int
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A puzzle to be made.
+
+    Parameters
+    ----------
+    transform : Transform
+    parameters : FabricationParameters
+    scale : float
+        mm per unit of the transform's frame.
+    motion : Motion
+        The planned motion that the pieces are cleared for.
+    pieces : tuple of PieceDesign
+        In chain order.
+    pins : tuple of Pin
+        Empty if no hinge has one.
+    telescope : Telescope or None
+        The telescopic hinges, if the motion lifts any.
+    warnings : tuple of str
+        What is weak or lost; nothing that stops the puzzle from being made.
+    """
+
+    transform: Transform
+    parameters: FabricationParameters
+    scale: float
+    motion: Motion
+    pieces: tuple[PieceDesign, ...]
+    pins: tuple[Pin, ...]
+    telescope: Telescope | None
+    warnings: tuple[str, ...]
+
+    @property
+    def sleeves(self) -> int:
+        """How many sleeves of telescopic hinges there are."""
+        return len(self.motion.lifted)
+
+    @property
+    def lift(self) -> float:
+        """Height of one plane of the motion over the next lower, mm."""
+        return self.parameters.travel
+
+    def place(self, pose: Pose, piece: int, points: FloatArray) -> FloatArray:
+        """Map (k, 2) points in mm of a piece's frame to where a pose of the transform has them, mm."""
+        placed: FloatArray = self.scale * pose.place(piece, np.asarray(points) / self.scale)
+        return placed
+
+
+def filled(region: shapely.Geometry) -> shapely.Geometry:
+    """A region with its holes filled."""
+    parts = [shapely.Polygon(part.exterior) for part in polygons(region)]
+    return shapely.union_all(parts) if len(parts) != 1 else parts[0]
+
+
+def polygons(region: shapely.Geometry) -> list[shapely.Polygon]:
+    """The polygons of a region, without those that have no area."""
+    return [part for part in shapely.get_parts(region) if part.geom_type == "Polygon" and part.area > 0.0]

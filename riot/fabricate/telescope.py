@@ -1,0 +1,146 @@
+"""Telescopic hinge: a barrel, a sleeve in it, and a slit rod with a knob, nested (paper §4.4, Fig. 11).
+
+The lower piece carries the barrel. The upper piece carries the rod, hanging from a cap over the barrel. The sleeve is a
+part by itself: pushed into the barrel from below, past a lip, its flange stops under the barrel's ledge; the rod's
+knob, pushed in from above, stops under the sleeve's ledge. So the upper piece lifts by more than its own thickness and
+does not come off.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from riot.fabricate.errors import FabricationError
+from riot.fabricate.parameters import FabricationParameters
+
+LEDGE_HEIGHT = 0.8
+LIP_HEIGHT = 0.6
+LEAST_CAP = 1.2
+"""Heights in mm."""
+
+SNAP = 0.15
+"""By how much the lip stands in the flange's way, in radius, mm."""
+
+LEAST_ROD = 1.5
+"""Radius of the rod, mm."""
+
+SPARE = 0.4
+"""Travel beyond what is needed, mm."""
+
+
+@dataclass(frozen=True)
+class Ring:
+    """What lies around a hinge's axis between two heights: a disc with a round hole, or none, and a slit, or none.
+
+    ``low``, ``high``, ``radius``, ``hole`` (radius) and ``slit`` (width, along the piece's edge) in mm.
+    """
+
+    low: float
+    high: float
+    radius: float
+    hole: float = 0.0
+    slit: float = 0.0
+
+
+@dataclass(frozen=True)
+class Telescope:
+    """The three nested cylinders, pushed together; all heights over the pieces' lower face.
+
+    ``barrel`` belongs to the lower piece, ``rod`` (knob first, cap last) to the upper, ``sleeve`` to none;
+    ``sleeve_travel`` and ``rod_travel`` are how far the sleeve rises in the barrel, and the rod in the sleeve, mm.
+    """
+
+    barrel: tuple[Ring, ...]
+    sleeve: tuple[Ring, ...]
+    rod: tuple[Ring, ...]
+    sleeve_travel: float
+    rod_travel: float
+
+    @property
+    def radius(self) -> float:
+        """Of the barrel and the cap, mm."""
+        return self.barrel[0].radius
+
+    @property
+    def barrel_height(self) -> float:
+        """Height of the barrel's top, mm."""
+        return self.barrel[-1].high
+
+    @property
+    def cap_height(self) -> float:
+        """Height of the cap's lower face, mm."""
+        return self.rod[-1].low
+
+    @property
+    def travel(self) -> float:
+        """By how much the upper piece rises, mm."""
+        return self.sleeve_travel + self.rod_travel
+
+
+def make_telescope(parameters: FabricationParameters) -> Telescope:
+    """The telescopic hinge for these parameters.
+
+    Raises `riot.fabricate.errors.FabricationError` if the pieces are too thin for it.
+    """
+    height, layer = parameters.height, parameters.layer_mm
+
+    def layers(length: float) -> float:
+        return round(math.ceil(round(length / layer, 6)) * layer, 9)
+
+    ledge, lip, seam = layers(LEDGE_HEIGHT), layers(LIP_HEIGHT), parameters.axial_gap
+    seat = lip + layer
+    fixed = 4.0 * ledge + seat + 2.0 * seam
+    least_cap = layers(LEAST_CAP)
+    cap = max(least_cap, layers(0.5 * (2.0 * height - fixed - parameters.travel - SPARE)) - layer)
+    cap = min(cap, max(least_cap, layers(height / 3.0)))
+    top = height - cap - seam
+    sleeve_travel, rod_travel = top - 2.0 * ledge - seat, top - 2.0 * ledge
+    if sleeve_travel <= 0.0 or sleeve_travel + rod_travel < parameters.travel:
+        least = fixed + 2.0 * least_cap + parameters.travel - height
+        raise FabricationError(
+            "thin",
+            f"thickness_mm: a telescopic hinge of {height:g} mm cannot lift its piece by {parameters.travel:g} mm; "
+            f"make it {math.ceil(least / layer) * layer:g} mm",
+            "thickness_mm",
+            math.ceil(least / layer) * layer,
+        )
+    gap, wall, step = parameters.telescope_gap_mm, parameters.telescope_wall_mm, parameters.telescope_ledge_mm
+    if step <= gap + SNAP:
+        raise FabricationError(
+            "ledge",
+            f"telescope_ledge_mm: {step:g} mm holds nothing over a gap of {gap:g} mm; make it {gap + 0.5:g} mm",
+            "telescope_ledge_mm",
+            gap + 0.5,
+        )
+    rod = max(LEAST_ROD, 0.5 * parameters.pin_mm)
+    inner_mouth = rod + gap
+    inner_bore = inner_mouth + step
+    knob = inner_bore - gap
+    sleeve = inner_bore + wall
+    mouth = sleeve + gap
+    bore = mouth + step
+    flange = bore - gap
+    radius = bore + wall
+    slit = min(rod, 2.0 * (knob - inner_mouth))
+    split = layers(0.6 * top)
+    return Telescope(
+        barrel=(
+            Ring(0.0, lip, radius, flange - SNAP),
+            Ring(lip, top - ledge, radius, bore),
+            Ring(top - ledge, top, radius, mouth),
+        ),
+        sleeve=(
+            Ring(seat, seat + ledge, flange, inner_bore),
+            Ring(seat + ledge, top - ledge, sleeve, inner_bore),
+            Ring(top - ledge, top, sleeve, inner_mouth),
+        ),
+        rod=(
+            Ring(0.0, ledge, knob, slit=slit),
+            Ring(ledge, split, rod, slit=slit),
+            Ring(split, height - cap, rod),
+            Ring(height - cap, height, radius),
+        ),
+        sleeve_travel=sleeve_travel,
+        rod_travel=rod_travel,
+    )
