@@ -60,7 +60,8 @@ def configure(root: Path, where: Path, store: Path, **groups: object) -> Config:
         "store": str(store),
         "batch": 4,
         "cluster": {"kind": "sync"},
-        "construct": {"candidates": 1, "attempts": 1},
+        "refine": {"candidates": 1},
+        "construct": {"attempts": 1},
         "select": {"top": 3, "breadth": 1},
     }
     return make_config({**values, **groups})
