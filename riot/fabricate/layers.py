@@ -8,7 +8,7 @@ import shapely
 
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.model import HingeEnd, Slab
-from riot.fabricate.outlines import CRUMB, GRID, disc, join, parts, subtract
+from riot.fabricate.outlines import CRUMB, GRID, disc, parts, subtract
 from riot.fabricate.parameters import FabricationParameters
 from riot.fabricate.telescope import Ring
 
@@ -27,24 +27,59 @@ def make_slabs(
         heights |= {z for ring in end.rings for z in (ring.low, ring.high)}
         heights |= {z for room in end.relief for z in room}
     levels = sorted({round(z, _HEIGHT_DIGITS) for z in heights})
-    slabs = tuple(Slab(low, high, section(body, ends, 0.5 * (low + high))) for low, high in pairwise(levels))
+    cells = _cells(body, ends)
+    slabs = tuple(Slab(low, high, _section(cells, body, ends, 0.5 * (low + high))) for low, high in pairwise(levels))
     return _one(index, slabs, ends, parameters)
 
 
-def section(body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd], height: float) -> shapely.Geometry:
-    """A level cut of a piece."""
-    cut: shapely.Geometry = body
+def _cells(body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd]) -> list[shapely.Polygon]:
+    """The regions between all lines of all levels: so levels share points wherever they share a line."""
+    regions: list[shapely.Polygon] = [body]
     for end in ends:
-        if any(low < height < high for low, high in end.relief):
-            cut = subtract(cut, disc(end.x, end.y, end.relief_radius, outside=True))
+        if end.relief:
+            regions.append(_room(end))
+        regions += [_disc_of(end, ring) for ring in end.rings]
+        regions += [_hole_of(end, ring) for ring in end.rings if ring.hole > 0.0]
+        regions += [_slit_of(end, ring) for ring in end.rings if ring.slit > 0.0]
+    lines = shapely.union_all([region.boundary for region in regions], grid_size=GRID)
+    return parts(shapely.polygonize(shapely.get_parts(lines)))
+
+
+def _section(
+    cells: list[shapely.Polygon], body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd], height: float
+) -> shapely.Geometry:
+    """A level cut of a piece."""
+    rooms = [_room(end) for end in ends if any(low < height < high for low, high in end.relief)]
     rings = [(end, ring) for end in ends for ring in end.rings if ring.low < height < ring.high]
-    cut = join([cut, *(disc(end.x, end.y, ring.radius) for end, ring in rings)])
-    for end, ring in rings:
-        if ring.hole > 0.0:
-            cut = subtract(cut, disc(end.x, end.y, ring.hole, outside=True))
-        if ring.slit > 0.0:
-            cut = subtract(cut, slit(end.x, end.y, ring))
-    return cut
+    discs = [_disc_of(end, ring) for end, ring in rings]
+    empty = [_hole_of(end, ring) for end, ring in rings if ring.hole > 0.0]
+    empty += [_slit_of(end, ring) for end, ring in rings if ring.slit > 0.0]
+    solid = []
+    for cell in cells:
+        point = cell.point_on_surface()
+        held = any(disc.contains(point) for disc in discs)
+        held = held or (body.contains(point) and not any(room.contains(point) for room in rooms))
+        if held and not any(hole.contains(point) for hole in empty):
+            solid.append(cell)
+    return shapely.union_all(solid)
+
+
+def _room(end: HingeEnd) -> shapely.Polygon:
+    return disc(end.x, end.y, end.relief_radius, outside=True)
+
+
+def _disc_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:
+    return disc(end.x, end.y, ring.radius)
+
+
+def _hole_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:
+    return disc(end.x, end.y, ring.hole, outside=True)
+
+
+def _slit_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:
+    """Across all of the ring."""
+    half, reach = 0.5 * ring.slit, ring.radius + 1.0
+    return shapely.set_precision(shapely.box(end.x - half, end.y - reach, end.x + half, end.y + reach), GRID)
 
 
 def rings_slabs(rings: tuple[Ring, ...]) -> tuple[Slab, ...]:
@@ -56,12 +91,6 @@ def rings_slabs(rings: tuple[Ring, ...]) -> tuple[Slab, ...]:
             cut = subtract(cut, disc(0.0, 0.0, ring.hole, outside=True))
         found.append(Slab(round(ring.low, _HEIGHT_DIGITS), round(ring.high, _HEIGHT_DIGITS), cut))
     return tuple(found)
-
-
-def slit(x: float, y: float, ring: Ring) -> shapely.Polygon:
-    """The slit of a ring, across all of it."""
-    half = 0.5 * ring.slit
-    return shapely.box(x - half, y - ring.radius - 1.0, x + half, y + ring.radius + 1.0)
 
 
 def _one(

@@ -44,11 +44,6 @@ def subtract(region: shapely.Geometry, other: shapely.Geometry) -> shapely.Geome
     return shapely.difference(region, other, grid_size=GRID)
 
 
-def join(regions: list[shapely.Geometry]) -> shapely.Geometry:
-    """The union of regions; on the grid."""
-    return shapely.union_all(regions, grid_size=GRID)
-
-
 def parts(region: shapely.Geometry) -> list[shapely.Polygon]:
     """The polygons of a region, the largest first."""
     found = [part for part in shapely.get_parts(region) if part.geom_type == "Polygon" and part.area > 0.0]
