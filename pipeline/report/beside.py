@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Set
 
 from pipeline.comparison import Compared, Comparison, Made
-from pipeline.report.markup import number, seconds, section, small, table
+from pipeline.report.markup import SHOWN_PAIRS, number, seconds, section, small, table
 from riot.draw.svg import escape
 
 HEAD = (
@@ -15,15 +15,23 @@ HEAD = (
 
 
 def beside(comparison: Comparison, lost: Set[int]) -> str:
-    """The section; its last row are medians. Ranks in ``lost`` have no card to lead to."""
+    """The section: the best pairs and the medians of all, the other pairs folded.
+
+    Ranks in ``lost`` have no card to lead to.
+    """
     rows = [_cells(_name(pair, pair.rank not in lost), pair.exact, pair.paper) for pair in comparison.pairs]
-    rows.append(_cells("<b>median</b>", *comparison.medians))
+    medians = _cells(f"<b>median of {len(rows)}</b>", *comparison.medians)
     note = (
         "The best transforms, made by the paper’s method too on the same trunks. IoU and Hausdorff distance are of the "
         "worse shape; gaps, overlaps and pieces outside are areas in the trunk that has more of them (shapes have 1). "
-        f"Time of a pair: {seconds(comparison.seconds_exact)} exact, {seconds(comparison.seconds_paper)} the paper’s."
+        f"Mean time of a pair: {seconds(comparison.seconds_exact)} exact, which may try more than one pair of trunks, "
+        f"and {seconds(comparison.seconds_paper)} the paper’s."
     )
-    body = table(HEAD, rows, (False, *(True,) * 8), "Both methods, pair by pair")
+    numeric = (False, *(True,) * 8)
+    body = table(HEAD, [*rows[:SHOWN_PAIRS], medians], numeric, "Both methods, pair by pair")
+    if len(rows) > SHOWN_PAIRS:
+        rest = table(HEAD, rows[SHOWN_PAIRS:], numeric, "Both methods, the other pairs")
+        body += f"<details><summary>the other {len(rows) - SHOWN_PAIRS}</summary>{rest}</details>"
     return section("beside", "Beside the paper’s method", f'<div class="sheet">{body}</div>', note)
 
 

@@ -10,6 +10,9 @@ from riot.draw.svg import escape
 NOTHING = "–"
 """Stands for a number that is not there."""
 
+SHOWN_PAIRS = 20
+"""Rows of pairs in sight; the others can be unfolded."""
+
 
 def number(value: float | None, digits: int = 3) -> str:
     """A score or length with a fixed number of decimals."""

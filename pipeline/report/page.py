@@ -9,16 +9,13 @@ from pipeline.remarks import remarks, several
 from pipeline.report.beside import beside
 from pipeline.report.card import Card
 from pipeline.report.histogram import figure
-from pipeline.report.markup import NOTHING, count, number, seconds, section, small, table
+from pipeline.report.markup import NOTHING, SHOWN_PAIRS, count, number, seconds, section, small, table
 from pipeline.report.rows import Run, TransformRow
 from pipeline.report.style import style_sheet
 from riot.draw.svg import escape
 
 SHOWN_ERRORS = 200
 """The page shows no more rows of errors; the table has them all."""
-
-SHOWN_PAIRS = 20
-"""Rows of best pairs in sight; the others can be unfolded."""
 
 ICON = (
     "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"

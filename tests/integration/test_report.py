@@ -160,7 +160,7 @@ def test_the_papers_method_stands_beside(run):
         shown = ["".join(cell.itertext()) for cell in row[1:]]
         assert shown[:2] == [f"{iou:.3f}", f"{iou - 0.01 * rank:.3f}"]
         assert shown[3:6] == ["0.0121", "0.0232", "0.0343"] and shown[-1] == "0.0454"
-    assert "".join(rows[-1][0].itertext()) == "median"
+    assert "".join(rows[-1][0].itertext()) == "median of 2"
     assert rows[-1][1].text == f"{sum(ious) / 2:.3f}"
     assert '<a href="#beside">' in text
 
