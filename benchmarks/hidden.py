@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from unittest import mock
 
 import numpy as np
 from grown import deformed
 from inputs import PIXELS
 from PIL import Image, ImageDraw
 
+from riot import groundtruth
 from riot.groundtruth import ExactPair, Topology, exact_pair
 from riot.parameters import D_C, L_C, TrunkParameters
 from riot.polyline import arc_length, edge_lengths
@@ -27,6 +31,16 @@ LEAST_PIECE, LEAST_EDGE = 0.01, L_C / TrunkParameters().spacing
 NEAR = L_C / 25
 """A trunk whose every corner is so near to the true one counts as the true trunk: a little over half the spacing of
 the sparse points."""
+NARROW: dict[str, object] = {
+    "CORNER_TOLERANCE": 0.0,
+    "CORNER_DISTANCE": math.inf,
+    "TRUNK_ANGLES": (math.radians(25), math.radians(172)),
+    "HINGE_ANGLES": (math.radians(40), math.radians(340)),
+    "LEAST_AREA": LEAST_PIECE,
+    "LEAST_DEPTH": 0.05,
+    "GREATEST_ARC": 0.5,
+}
+"""Limits of `riot.groundtruth` for pairs made with no regard to the search: hinges anywhere, shallow pieces."""
 FINER, MARGIN = 4, 8
 """Pixels are means of so many squared; free pixels at the border."""
 
@@ -56,10 +70,11 @@ class HiddenPair:
     q: Hidden
 
 
-def hide(count: int, pieces: Sequence[int], deform: float = 0.0) -> tuple[list[HiddenPair], int]:
+def hide(count: int, pieces: Sequence[int], deform: float = 0.0, narrow: bool = False) -> tuple[list[HiddenPair], int]:
     """``count`` exact pairs, numbers of pieces and kinds of trees in turn; and how many were left out as degenerate.
 
-    Before they are drawn, both are deformed by waves of amplitude ``deform``, in units of √area.
+    Before they are drawn, both are deformed by waves of amplitude ``deform``, in units of √area. The generator keeps
+    its own margins to what the search needs, or only the ``narrow`` ones.
     """
     made: list[HiddenPair] = []
     left_out, seed = 0, SEED
@@ -67,7 +82,9 @@ def hide(count: int, pieces: Sequence[int], deform: float = 0.0) -> tuple[list[H
         k = len(made)
         n, (topology, curved) = pieces[k % len(pieces)], KINDS[k // len(pieces) % len(KINDS)]
         seed += 1
-        exact = exact_pair(n, seed, curved=curved, topology=topology)
+        # The library's generator has no such parameters: elsewhere its pairs are meant to be found.
+        with mock.patch.dict(vars(groundtruth), NARROW) if narrow else nullcontext():
+            exact = exact_pair(n, seed, curved=curved, topology=topology)
         if degenerate(exact):
             left_out += 1
             continue

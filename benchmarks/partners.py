@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -101,6 +101,18 @@ class Partners:
 
             self._plans[i, j] = plans[0].bound if plans else -1.0, make
         return self._plans[i, j]
+
+
+def changed(settings: Sequence[str]) -> tuple[TrunkParameters, RefineParameters]:
+    """The defaults with ``trunks.NAME=VALUE`` and ``refine.NAME=VALUE`` put in; ValueError if there is no such."""
+    groups: dict[str, dict[str, float]] = {"trunks": asdict(TrunkParameters()), "refine": asdict(RefineParameters())}
+    for setting in settings:
+        path, _, value = setting.partition("=")
+        group, _, name = path.partition(".")
+        if group not in groups or name not in groups[group]:
+            raise ValueError(f"{setting}: give trunks.NAME=VALUE or refine.NAME=VALUE, NAME as in riot.parameters")
+        groups[group][name] = type(groups[group][name])(value)
+    return TrunkParameters(**groups["trunks"]), RefineParameters(**groups["refine"])  # type: ignore[arg-type]
 
 
 def attempt(make: Callable[[], Transform]) -> Transform | RiotError:

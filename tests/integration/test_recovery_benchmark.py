@@ -19,7 +19,9 @@ sys.path.insert(0, sys.argv[1])
 from dataclasses import replace
 import numpy as np
 from hidden import failed_test, hide
+from partners import changed
 from recovery import wilson
+from riot import groundtruth
 from riot.parameters import TrunkParameters
 from riot.polyline import edge_lengths, signed_area
 from riot.trunks import full_trunks, quick_trunks
@@ -47,6 +49,15 @@ none = replace(TrunkParameters(), tau_c=1.0)
 told["congruency"] = failed_test(side, full_trunks(side.shape, none), False, none)
 none = replace(TrunkParameters(), tau_s=1.0)
 told["convex"] = failed_test(side, quick_trunks(side.shape, none), True, none)
+trunks, refinement = changed(["trunks.tau_s=0.07", "refine.candidates=64"])
+told["changed"] = [trunks.tau_s, trunks.spacing, refinement.candidates, refinement.refined]
+limits = {name: value for name, value in vars(groundtruth).items() if name.isupper()}
+(usual,), _ = hide(1, [6])
+(narrow,), _ = hide(1, [6], 0.0, True)
+(waved,), _ = hide(1, [3], 0.03)
+told["other"] = bool(np.abs(narrow.exact.trunk_p - usual.exact.trunk_p).max() > 0.01)
+told["moved"] = float(np.abs(waved.p.corners - first.p.corners).max())
+told["restored"] = limits == {name: value for name, value in vars(groundtruth).items() if name.isupper()}
 print(json.dumps(told))
 """
 
@@ -71,6 +82,11 @@ def test_hidden_pairs_and_where_their_trunks_are_lost() -> None:
     assert told["near"] == [""] * 8
     assert (told["area"], told["congruency"]) == ("area", "congruency")
     assert told["convex"] == "too few convex points for n"
+    assert told["changed"] == [0.07, 15.0, 64, 3]
+    # Other limits draw other pairs, and are put back; waves move the shapes a little.
+    assert told["other"]
+    assert told["restored"]
+    assert 0.002 < told["moved"] < 0.1
 
 
 def test_recovery_counts_every_hidden_shape(tmp_path: Path) -> None:
@@ -84,7 +100,7 @@ def test_recovery_counts_every_hidden_shape(tmp_path: Path) -> None:
     assert [one["name"] for one in told["found"]] == ["hidden000-p", "hidden000-q", "hidden001-p", "hidden001-q"]
     by_name = {row["name"]: row for row in told["figures"]}
     for name, row in by_name.items():
-        assert row["of"] == (2 if name.startswith("IoU") else 4), name
+        assert row["of"] == (2 if name.startswith("IoU ≥") else 4), name
         assert 0 <= row["good"] <= row["of"]
         assert row["low"] <= row["good"] / row["of"] <= row["high"]
         assert sum(good for good, _ in row["by_n"].values()) == row["good"]
@@ -125,6 +141,7 @@ def test_intricate_shapes_are_searched_in_every_way_asked_for(tmp_path: Path) ->
 def test_wrong_arguments_are_refused(tmp_path: Path) -> None:
     for arguments, words in (
         (("recovery", "--root", str(tmp_path)), "no pictures under"),
+        (("recovery", "--set", "trunks.tau=1"), "trunks.tau=1: give trunks.NAME=VALUE"),
         (("complex_shapes", "--root", str(tmp_path), "--classes", "octopus"), "no pictures octopus-"),
     ):
         done = run(*arguments)
