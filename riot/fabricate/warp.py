@@ -14,7 +14,7 @@ import shapely
 from scipy import sparse
 from scipy.optimize import linprog
 from scipy.sparse.linalg import splu
-from scipy.spatial import Delaunay
+from scipy.spatial import Delaunay, cKDTree
 
 from riot.errors import RiotError
 from riot.polyline import arc_length, at_length, is_simple
@@ -97,14 +97,20 @@ class Warp:
         return np.asarray(finder(xy[:, 0], xy[:, 1]), dtype=np.int64)
 
     def _beyond(self, xy: FloatArray) -> FloatArray:
-        """Where (m, 2) points outside the made shape go: the image of the outline's nearest place."""
+        """Where (m, 2) points outside the made shape go: the image of the nearest place beside the nearest vertex."""
         outline, images = self.points[: self.boundary], self.images[: self.boundary]
-        ring = shapely.LinearRing(outline)
-        shapely.prepare(ring)
-        at = shapely.line_locate_point(ring, shapely.points(xy))
-        lengths = arc_length(outline)
-        closed = np.concatenate([images, images[:1]])
-        return np.column_stack([np.interp(at, lengths, closed[:, axis]) for axis in (0, 1)])
+        nearest = cKDTree(outline).query(xy)[1]
+        found, least = np.empty_like(xy), np.full(len(xy), np.inf)
+        for beside in (-1, 1):
+            other = (nearest + beside) % self.boundary
+            edge = outline[other] - outline[nearest]
+            share = ((xy - outline[nearest]) * edge).sum(axis=1) / (edge**2).sum(axis=1)
+            share = np.clip(share, 0.0, 1.0)[:, None]
+            far = ((xy - outline[nearest] - share * edge) ** 2).sum(axis=1)
+            moved = images[nearest] + share * (images[other] - images[nearest])
+            found[far < least] = moved[far < least]
+            least = np.minimum(least, far)
+        return found
 
 
 def warp_side(transform: Transform, side: Side) -> Warp:
