@@ -11,11 +11,12 @@ import math
 
 import shapely
 
+from riot.fabricate.clearance import shaved
 from riot.fabricate.course import stretches
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.layers import make_slabs
 from riot.fabricate.model import Design, HingeEnd, Kind, PieceDesign, Pin
-from riot.fabricate.outlines import corner, make_outline, narrowest
+from riot.fabricate.outlines import SPARE, corner, make_outline, narrowest
 from riot.fabricate.parameters import FabricationParameters
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
@@ -59,9 +60,11 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
     raw = [scale * piece.polygon for piece in transform.pieces]
     outlines = [make_outline(points, i, parameters) for i, points in enumerate(raw)]
     bodies = cleared(outlines, ends, course, transform, parameters.gap_mm, scale)
+    lengths = [scale * piece.length for piece in transform.pieces]
+    bodies = shaved(bodies, ends, lengths, course, parameters.gap_mm)
     pieces, warnings = [], []
-    for i, piece in enumerate(transform.pieces):
-        made = _piece(i, scale * piece.length, outlines[i], bodies[i], ends[i], parameters)
+    for i in range(len(transform)):
+        made = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], parameters)
         pieces.append(made)
         warnings += _remarks(made, raw[i], parameters)
     count = sum(end.kind == "pin" for _, end in ends)
@@ -106,12 +109,12 @@ def _female(hinge: int, motion: Motion, parameters: FabricationParameters, teles
         return HingeEnd(hinge, kind, "none", 0.0, 0.0, (), (), 0.0)
     if kind == "telescopic":
         assert telescope is not None
-        room = telescope.radius + parameters.gap_mm
+        room = telescope.radius + parameters.gap_mm + SPARE
         return HingeEnd(hinge, kind, "male", 0.0, 0.0, telescope.rod, ((0.0, telescope.cap_height),), room)
     lower, _, _, upper = parameters.levels
     radius, hole = parameters.knuckle_radius, 0.5 * parameters.pin_mm + parameters.play_mm
     rings = Ring(0.0, lower, radius, hole), Ring(upper, height, radius, hole)
-    return HingeEnd(hinge, kind, "female", 0.0, 0.0, rings, ((lower, upper),), parameters.relief_radius)
+    return HingeEnd(hinge, kind, "female", 0.0, 0.0, rings, ((lower, upper),), parameters.relief_radius + SPARE)
 
 
 def _male(
@@ -123,12 +126,12 @@ def _male(
         return HingeEnd(hinge, kind, "none", x, 0.0, (), (), 0.0)
     if kind == "telescopic":
         assert telescope is not None
-        room = telescope.radius + parameters.gap_mm
+        room = telescope.radius + parameters.gap_mm + SPARE
         return HingeEnd(hinge, kind, "female", x, 0.0, telescope.barrel, ((telescope.barrel_height, height),), room)
     _, low, high, _ = parameters.levels
     radius, hole = parameters.knuckle_radius, 0.5 * parameters.pin_mm + parameters.clearance_mm
     rings = (Ring(low, high, radius, hole),)
-    return HingeEnd(hinge, kind, "male", x, 0.0, rings, ((0.0, low), (high, height)), parameters.relief_radius)
+    return HingeEnd(hinge, kind, "male", x, 0.0, rings, ((0.0, low), (high, height)), parameters.relief_radius + SPARE)
 
 
 def _piece(

@@ -21,8 +21,11 @@ GRID = 0.001
 SIDES = 64
 """Of a disc."""
 
-SMOOTH = 0.01
+SMOOTH = 0.005
 """Points of an outline nearer to the line through the others are left out, mm."""
+
+SPARE = SMOOTH + 2.0 * GRID
+"""So much more than half the gap is taken off an outline, mm: neither smoothing nor the grid narrows the gap."""
 
 CRUMB = 0.01
 """Share of a piece that may break off where it is narrower than the outline gap."""
@@ -56,7 +59,7 @@ def make_outline(points: FloatArray, piece: int, parameters: FabricationParamete
     Raises `riot.fabricate.errors.FabricationError` if it vanishes or falls apart.
     """
     whole = shapely.Polygon(points)
-    shrunk = shapely.simplify(whole.buffer(-0.5 * parameters.gap_mm, quad_segs=_QUARTER), SMOOTH)
+    shrunk = shapely.simplify(whole.buffer(-0.5 * parameters.gap_mm - SPARE, quad_segs=_QUARTER), SMOOTH)
     found = parts(shapely.set_precision(shrunk, GRID))
     if not found or whole.area - found[0].area - 0.5 * parameters.gap_mm * whole.length > CRUMB * whole.area:
         if len(found) < 2:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import manifold3d
@@ -62,11 +63,12 @@ def make_parts(design: Design) -> tuple[Part, ...]:
     """The solids of a design: every piece, the pin, and the sleeve of its telescopic hinges."""
     found = [Part(piece.name, "piece", 1, piece.slabs, extruded(piece.slabs)) for piece in design.pieces]
     for pin in design.pins:
-        slabs = (Slab(0.0, pin.length, disc(0.0, 0.0, 0.5 * pin.diameter)),)
-        found.append(Part("pin", "pin", pin.count, slabs, extruded(slabs)))
+        slab = Slab(0.0, pin.length, disc(0.0, 0.0, 0.5 * pin.diameter))
+        found.append(Part("pin", "pin", pin.count, (slab,), extruded((slab,))))
     if design.telescope is not None:
-        slabs = rings_slabs(design.telescope.sleeve)
-        slabs = tuple(Slab(slab.low - slabs[0].low, slab.high - slabs[0].low, slab.section) for slab in slabs)
+        nested = rings_slabs(design.telescope.sleeve)
+        foot = nested[0].low
+        slabs = tuple(Slab(slab.low - foot, slab.high - foot, slab.section) for slab in nested)
         found.append(Part("sleeve", "sleeve", design.sleeves, slabs, extruded(slabs)))
     return tuple(found)
 
@@ -87,7 +89,7 @@ def extruded(slabs: tuple[Slab, ...]) -> manifold3d.Manifold:
 def genus(slabs: tuple[Slab, ...]) -> int:
     """Handles of a solid in one part, counted in its flat layers: Euler's number of what they hold and share."""
     euler = sum(_euler(slab.section) for slab in slabs)
-    for below, above in zip(slabs[:-1], slabs[1:], strict=True):
+    for below, above in pairwise(slabs):
         euler -= _euler(shapely.intersection(below.section, above.section))
     return 1 - euler
 

@@ -1,0 +1,220 @@
+"""How near the pieces of one plane come to each other on their way: sampled, and proven for every moment. Ours."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import shapely
+from shapely import affinity
+
+from riot.fabricate.course import Stretch
+from riot.fabricate.model import HingeEnd, PieceDesign, filled, polygons
+from riot.fabricate.outlines import disc, parts, subtract
+from riot.kernels.collide import clear_share, separation
+from riot.motion import Motion
+from riot.motion.motion import LIFT
+from riot.shape import FloatArray, IntArray
+
+CAP_MM = 3.0
+"""Gaps beyond this need not be exact."""
+
+HEIGHT_TOLERANCE = 1e-6
+"""Heights that differ by less are the same, mm."""
+
+_NOTHING = HingeEnd(-1, "open", "none", 0.0, 0.0, (), (), 0.0)
+_NO_ROOM = _NOTHING, _NOTHING
+
+MARGIN = 0.01
+"""Taken off beyond the gap, mm: for what happens between samples."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regions:
+    """Flat regions of the pieces of one stretch, three a piece, as `riot.kernels.collide` takes them; mm.
+
+    Region 3k is what piece k covers, 3k + 1 the same without the room around the hinge at its start, 3k + 2 at its
+    end: of two pieces on one hinge these count.
+    """
+
+    points: FloatArray
+    rings: IntArray
+    bodies: IntArray
+    lengths: FloatArray
+    reaches: FloatArray
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The least gap between two pieces of a stretch (members i < j) among the samples, and where it is."""
+
+    i: int
+    j: int
+    gap: float
+    sample: int
+
+
+def make_regions(
+    covers: list[shapely.Geometry], ends: list[tuple[HingeEnd, HingeEnd]], lengths: list[float]
+) -> Regions:
+    """The regions of pieces in chain order."""
+    found = []
+    for cover, pair in zip(covers, ends, strict=True):
+        found += [cover, *(outside(cover, end) for end in pair)]
+    rings = [[shapely.get_coordinates(part.exterior)[:-1] for part in polygons(region)] for region in found]
+    flat = [ring for some in rings for ring in some]
+    reaches = []
+    for some, length in zip(rings[::3], lengths, strict=True):
+        points = np.concatenate([np.zeros((1, 2)), *some])
+        reaches.append([np.hypot(points[:, 0] - x, points[:, 1]).max() for x in (0.0, length)])
+    return Regions(
+        np.concatenate([np.empty((0, 2)), *flat]),
+        _offsets([len(ring) for ring in flat]),
+        _offsets([len(some) for some in rings]),
+        np.array(lengths),
+        np.array(reaches),
+    )
+
+
+def outside(region: shapely.Geometry, end: HingeEnd) -> shapely.Geometry:
+    """A region without the room around a hinge; all of it if there is no hinge."""
+    if end.relief_radius == 0.0:
+        return region
+    return region.difference(disc(end.x, end.y, end.relief_radius))
+
+
+def least_gaps(stretch: Stretch, regions: Regions) -> list[Nearest]:
+    """The least gap of every two pieces over the samples of a stretch, `CAP_MM` or more if it is wider."""
+    found = []
+    for i, j in combinations(range(len(stretch.pieces)), 2):
+        gaps = pair_gaps(stretch, regions, i, j)
+        k = int(gaps.argmin())
+        found.append(Nearest(i, j, float(gaps[k]), k))
+    return found
+
+
+def pair_gaps(stretch: Stretch, regions: Regions, i: int, j: int) -> FloatArray:
+    """(k,) gap of two pieces at every sample, mm; `CAP_MM` or more where it is wider."""
+    a, b = (3 * i + 2, 3 * j + 1) if j == i + 1 else (3 * i, 3 * j)
+    at = stretch.seen_from(i, stretch.points[:, j])
+    turned = stretch.headings[:, j] - stretch.headings[:, i]
+    places = np.concatenate([at, turned[:, None]], axis=1)
+    return np.array(
+        [separation(regions.points, regions.rings, regions.bodies, a, b, place, CAP_MM) for place in places]
+    )
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Whether pieces stay apart at every moment of the motion, up to which time that is shown, and at how many poses of
+    two pieces they were looked at."""
+
+    holds: bool
+    time: float
+    looked: int
+
+
+def proven(motion: Motion, stretch: Stretch, regions: Regions, floor: float) -> Proof:
+    """Whether all pieces of a stretch stay ``floor`` mm or more apart at every moment, not only at samples.
+
+    By conservative advancement (`riot.kernels.collide.clear_share`) from key frame to key frame.
+    """
+    return _proven(motion, stretch.pieces[1:], regions, floor)
+
+
+def proven_at_hinge(motion: Motion, one: PieceDesign, two: PieceDesign, floor: float) -> Proof:
+    """Whether two pieces on one pin hinge stay ``floor`` mm or more apart wherever both have something at one height.
+
+    Their knuckles, and the room for them, count as they are.
+    """
+    looked = 0
+    for below in one.slabs:
+        for above in two.slabs:
+            if min(below.high, above.high) - max(below.low, above.low) > HEIGHT_TOLERANCE:
+                sections = [filled(below.section), filled(above.section)]
+                regions = make_regions(sections, [_NO_ROOM, _NO_ROOM], [one.length, two.length])
+                proof = _proven(motion, np.array([two.start.hinge]), regions, floor)
+                looked += proof.looked
+                if not proof.holds:
+                    return Proof(False, proof.time, looked)
+    return Proof(True, 1.0, looked)
+
+
+def _proven(motion: Motion, hinges: IntArray, regions: Regions, floor: float) -> Proof:
+    first, last = (0.0, 1.0) if motion.flat else (LIFT, 1.0 - LIFT)
+    moving = (motion.times >= first) & (motion.times <= last)
+    times, turns = motion.times[moving], motion.turns[moving][:, hinges]
+    looked = 0
+    if len(hinges) == 0:
+        return Proof(True, 1.0, 0)
+    for k in range(len(times) - 1):
+        share, checks = clear_share(
+            regions.points,
+            regions.rings,
+            regions.bodies,
+            regions.lengths,
+            regions.reaches,
+            turns[k].copy(),
+            turns[k + 1].copy(),
+            floor,
+            CAP_MM,
+            False,
+        )
+        looked += int(checks)
+        if share < 1.0:
+            return Proof(False, float(times[k] + share * (times[k + 1] - times[k])), looked)
+    return Proof(True, 1.0, looked)
+
+
+def shaved(
+    bodies: list[shapely.Polygon],
+    ends: list[tuple[HingeEnd, HingeEnd]],
+    lengths: list[float],
+    course: list[Stretch],
+    gap: float,
+) -> list[shapely.Polygon]:
+    """The bodies with so much taken off that no two of a plane come nearer than ``gap`` mm at any sample.
+
+    Planned motions let pieces slip by each other closer than that; the larger of the two pieces gives way.
+    """
+    made = list(bodies)
+    for stretch in course:
+        pieces = stretch.pieces.tolist()
+        regions = make_regions([made[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
+        for i, j in combinations(range(len(pieces)), 2):
+            near = np.flatnonzero(pair_gaps(stretch, regions, i, j) < gap)
+            if len(near) == 0:
+                continue
+            keep, cut = sorted((i, j), key=lambda k: made[pieces[k]].area)
+            kept = made[pieces[keep]]
+            if j == i + 1:
+                kept = outside(kept, ends[pieces[keep]][1 if keep == i else 0])
+            made[pieces[cut]] = _shaved(stretch, made[pieces[cut]], kept, cut, keep, near, gap)
+    return made
+
+
+def _shaved(
+    stretch: Stretch,
+    body: shapely.Polygon,
+    other: shapely.Geometry,
+    member: int,
+    neighbour: int,
+    samples: IntArray,
+    gap: float,
+) -> shapely.Polygon:
+    """A member's body less a neighbour's, with the gap around it, at some samples."""
+    grown = other.buffer(gap + MARGIN, quad_segs=8)
+    cuts = []
+    for k in samples.tolist():
+        turn = float(stretch.headings[k, neighbour] - stretch.headings[k, member])
+        origin = stretch.seen_from(member, stretch.points[:, neighbour])[k]
+        c, s = math.cos(turn), math.sin(turn)
+        cuts.append(affinity.affine_transform(grown, [c, -s, s, c, *origin.tolist()]))
+    left = parts(subtract(body, shapely.union_all(cuts)))
+    return shapely.Polygon(left[0].exterior) if left else shapely.Polygon()
+
+
+def _offsets(sizes: list[int]) -> IntArray:
+    return np.concatenate([[0], np.cumsum(np.array(sizes, dtype=np.int64))]).astype(np.int64)
