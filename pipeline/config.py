@@ -125,6 +125,7 @@ _MAY_BE_ZERO = frozenset(
         "refine.sketch_steps",
         "refine.refined",
         "refine.steps",
+        "refine.attach",
     }
 )
 _AT_MOST_ONE = frozenset({"trunks.tau_c", "trunks.min_inside", "trunks.max_arc", "trunks.min_area"})

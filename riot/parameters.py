@@ -121,6 +121,8 @@ class RefineParameters:
     """Refinement moves no trunk vertex farther than this along either axis, in units of ``D_c``."""
     reach: float = 0.1
     """Two arcs part at most this far along the outline from their trunk vertex, in units of ``L_c``."""
+    attach: float = 1.0
+    """Weight of the squared distances of trunk vertices from the outline: off it the outlines get notches or spikes."""
     lines: int = 128
     """Scanlines of the IoU bound while trunks are refined."""
     bound_lines: int = 512

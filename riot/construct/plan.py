@@ -14,6 +14,9 @@ from riot.parameters import L_C, RefineParameters
 from riot.polyline import arc_length
 from riot.shape import FloatArray, IntArray, Shape
 
+Sides = tuple[FloatArray, IntArray, FloatArray, IntArray]
+"""Outline and windows of P, of Q, as `riot.kernels.change.least_changes` reads them."""
+
 
 @dataclass(frozen=True, eq=False)
 class TrunkPair:
@@ -46,7 +49,7 @@ class TrunkPair:
         return np.stack([self.outline_p[self.trunk_p], self.outline_q[self.trunk_q]])
 
     @cached_property
-    def sides(self) -> tuple[FloatArray, IntArray, FloatArray, IntArray]:
+    def sides(self) -> Sides:
         """Outline and windows of P, of Q, as `riot.kernels.change.least_changes` reads them."""
         # Read-only arrays would have the kernels compiled once more.
         p, q = np.array(self.outline_p), np.array(self.outline_q)
@@ -111,8 +114,7 @@ class Plan:
     @cached_property
     def feet(self) -> FloatArray:
         """(2, n, 2) where the arcs part: the boundary points of P and of Q nearest to the corners."""
-        p, windows_p, q, windows_q = self.pair.sides
-        return np.stack([feet(p, windows_p, self.trunk_p)[0], feet(q, windows_q, self.trunk_q[::-1].copy())[0][::-1]])
+        return feet_of(self.pair.sides, self.trunks)
 
     @cached_property
     def _swung_p(self) -> tuple[FloatArray, IntArray]:
@@ -123,6 +125,12 @@ class Plan:
     def _swung_q(self) -> tuple[FloatArray, IntArray]:
         _, _, outline, windows = self.pair.sides
         return _swing(outline, windows, self.trunk_q[::-1].copy(), self.trunk_p[::-1].copy())
+
+
+def feet_of(sides: Sides, trunks: FloatArray) -> FloatArray:
+    """(2, n, 2) the boundary points of P and of Q nearest to the corners of ``trunks`` (2, n, 2)."""
+    p, windows_p, q, windows_q = sides
+    return np.stack([feet(p, windows_p, trunks[0].copy())[0], feet(q, windows_q, trunks[1, ::-1].copy())[0][::-1]])
 
 
 def plan_pair(pair: TrunkPair, lines: int = RefineParameters.bound_lines) -> Plan:

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from riot.construct.conjugate import TOLERANCE, is_convex
-from riot.construct.plan import Plan, plan_on
+from riot.construct.plan import Plan, feet_of, plan_on
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, quasi_newton, tangential
 from riot.parameters import D_C, RefineParameters
@@ -55,7 +55,7 @@ class _Climb:
 
     def __init__(self, plan: Plan, parameters: RefineParameters, sharpness: float) -> None:
         self.sides, self.lines, self.sharpness = plan.pair.sides, parameters.lines, sharpness
-        self.start, self.slide = plan.trunks, parameters.slide * D_C
+        self.start, self.slide, self.attach = plan.trunks, parameters.slide * D_C, parameters.attach
 
     def run(self, trunks: FloatArray, steps: int) -> FloatArray:
         value, gradient, worse = self.rate(trunks)
@@ -99,10 +99,16 @@ class _Climb:
         return found if is_convex(found[0]) and is_convex(found[1, ::-1]) else None
 
     def rate(self, trunks: FloatArray) -> tuple[float, FloatArray, float]:
-        """The stand-in, its gradient (2, n, 2) along the surface, and the worse bound itself."""
+        """The stand-in, its gradient (2, n, 2) along the surface, and the worse bound; of both the attachment is taken.
+
+        A corner off the boundary costs area only to second order, but makes a notch or a spike as deep as it is far.
+        """
         bounds, gradients = least_changes(*self.sides, trunks, self.lines)
         worse = float(bounds.min())
         shares = np.exp(-self.sharpness * (bounds - worse))
         total = float(shares.sum())
         gradient = (shares[0] * gradients[0] + shares[1] * gradients[1]) / total
-        return worse - math.log(total) / self.sharpness, tangential(trunks, gradient), worse
+        off = trunks - feet_of(self.sides, trunks)
+        cost = self.attach * float((off * off).sum())
+        along = tangential(trunks, gradient - 2.0 * self.attach * off)
+        return worse - math.log(total) / self.sharpness - cost, along, worse - cost
