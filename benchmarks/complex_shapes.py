@@ -62,6 +62,7 @@ WAYS = {
     "tau_s 0.05": Way(TrunkParameters(tau_s=0.05)),
     "spacing 22": Way(TrunkParameters(spacing=22.0)),
     "min_area 0.005": Way(TrunkParameters(min_area=0.005)),
+    "neck_width 0": Way(TrunkParameters(neck_width=0.0)),
     "candidates 64": Way(refinement=FINER),
     "keep 160, few 12": Way(keep=160, few=12),
     "tau_s 0.07, area 0.005, candidates 64, keep 160, few 12": Way(
