@@ -10,12 +10,11 @@ import numpy as np
 import shapely
 from shapely import affinity
 
-from riot.fabricate.course import Stretch
+from riot.fabricate.course import Stretch, moving, stretch_at
 from riot.fabricate.model import HingeEnd, PieceDesign, filled, polygons
 from riot.fabricate.outlines import disc, parts, subtract
 from riot.kernels.collide import clear_share, separation
 from riot.motion import Motion
-from riot.motion.motion import LIFT
 from riot.shape import FloatArray, IntArray
 
 CAP_MM = 3.0
@@ -23,6 +22,12 @@ CAP_MM = 3.0
 
 HEIGHT_TOLERANCE = 1e-6
 """Heights that differ by less are the same, mm."""
+
+TRIES = 12
+"""So often a place between samples is mended."""
+
+FINER = 33
+"""Samples of such a place."""
 
 _NOTHING = HingeEnd(-1, "open", "none", 0.0, 0.0, (), (), 0.0)
 _NO_ROOM = _NOTHING, _NOTHING
@@ -143,9 +148,8 @@ def proven_at_hinge(motion: Motion, one: PieceDesign, two: PieceDesign, floor: f
 
 
 def _proven(motion: Motion, hinges: IntArray, regions: Regions, floor: float) -> Proof:
-    first, last = (0.0, 1.0) if motion.flat else (LIFT, 1.0 - LIFT)
-    moving = (motion.times >= first) & (motion.times <= last)
-    times, turns = motion.times[moving], motion.turns[moving][:, hinges]
+    times = moving(motion)
+    turns = motion.turns[np.isin(motion.times, times)][:, hinges]
     looked = 0
     if len(hinges) == 0:
         return Proof(True, 1.0, 0)
@@ -172,27 +176,51 @@ def shaved(
     bodies: list[shapely.Polygon],
     ends: list[tuple[HingeEnd, HingeEnd]],
     lengths: list[float],
+    motion: Motion,
     course: list[Stretch],
     gap: float,
+    scale: float,
 ) -> list[shapely.Polygon]:
-    """The bodies with so much taken off that no two of a plane come nearer than ``gap`` mm at any sample.
+    """The bodies with so much taken off that no two of a plane come nearer than ``gap`` mm on their way.
 
-    Planned motions let pieces slip by each other closer than that; the larger of the two pieces gives way.
+    Planned motions let pieces slip by each other closer than that; the larger of the two pieces gives way. Done at all
+    samples, then wherever between them the gap turns out to be less, `TRIES` times at most.
     """
     made = list(bodies)
     for stretch in course:
+        _shave(made, ends, lengths, stretch, gap)
         pieces = stretch.pieces.tolist()
-        regions = make_regions([made[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
-        for i, j in combinations(range(len(pieces)), 2):
-            near = np.flatnonzero(pair_gaps(stretch, regions, i, j) < gap)
-            if len(near) == 0:
-                continue
-            keep, cut = sorted((i, j), key=lambda k: made[pieces[k]].area)
-            kept = made[pieces[keep]]
-            if j == i + 1:
-                kept = outside(kept, ends[pieces[keep]][1 if keep == i else 0])
-            made[pieces[cut]] = _shaved(stretch, made[pieces[cut]], kept, cut, keep, near, gap)
+        for _ in range(TRIES):
+            regions = make_regions([made[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
+            proof = proven(motion, stretch, regions, gap)
+            if proof.holds:
+                break
+            before = int(np.searchsorted(stretch.times, proof.time, side="right")) - 1
+            after = min(before + 2, len(stretch.times) - 1)
+            times = np.linspace(stretch.times[before], stretch.times[after], FINER)
+            _shave(made, ends, lengths, stretch_at(motion, scale, stretch.pieces, times), gap + MARGIN)
     return made
+
+
+def _shave(
+    made: list[shapely.Polygon],
+    ends: list[tuple[HingeEnd, HingeEnd]],
+    lengths: list[float],
+    stretch: Stretch,
+    gap: float,
+) -> None:
+    """Take off of the pieces in ``made`` what is nearer than the gap at a sample."""
+    pieces = stretch.pieces.tolist()
+    regions = make_regions([made[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
+    for i, j in combinations(range(len(pieces)), 2):
+        near = np.flatnonzero(pair_gaps(stretch, regions, i, j) < gap)
+        if len(near) == 0:
+            continue
+        keep, cut = sorted((i, j), key=lambda k: made[pieces[k]].area)
+        kept = made[pieces[keep]]
+        if j == i + 1:
+            kept = outside(kept, ends[pieces[keep]][1 if keep == i else 0])
+        made[pieces[cut]] = _shaved(stretch, made[pieces[cut]], kept, cut, keep, near, gap)
 
 
 def _shaved(

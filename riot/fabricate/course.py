@@ -57,28 +57,35 @@ def stretches(motion: Motion, scale: float) -> list[Stretch]:
     """
     n = len(motion.chain.lengths)
     cuts = (motion.open_hinge, *motion.lifted)
-    lengths = scale * motion.chain.lengths
     found = []
     for cut, following in zip(cuts, (*cuts[1:], cuts[0]), strict=True):
-        size = (following - cut - 1) % n + 1
-        pieces = (cut + np.arange(size)) % n
-        times, turns = _sampled(motion, pieces[1:])
-        headings = np.concatenate([np.zeros((len(times), 1)), np.cumsum(turns, axis=1)], axis=1)
-        edges = lengths[pieces][None, :, None] * np.stack([np.cos(headings), np.sin(headings)], axis=2)
-        points = np.concatenate([np.zeros((len(times), 1, 2)), np.cumsum(edges, axis=1)], axis=1)
-        found.append(Stretch(pieces, times, headings, points))
+        pieces = (cut + np.arange((following - cut - 1) % n + 1)) % n
+        found.append(stretch_at(motion, scale, pieces, _times(motion, pieces[1:])))
     return found
 
 
-def _sampled(motion: Motion, hinges: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Times, and (k, h) turns of these hinges at them."""
+def stretch_at(motion: Motion, scale: float, pieces: IntArray, times: FloatArray) -> Stretch:
+    """These pieces, in chain order, at these times (k,) of the motion."""
+    hinges = pieces[1:].tolist()
+    turns = np.array([np.interp(times, motion.times, motion.turns[:, hinge]) for hinge in hinges]).T
+    headings = np.concatenate([np.zeros((len(times), 1)), np.cumsum(turns.reshape(len(times), -1), axis=1)], axis=1)
+    lengths = scale * motion.chain.lengths[pieces]
+    edges = lengths[None, :, None] * np.stack([np.cos(headings), np.sin(headings)], axis=2)
+    points = np.concatenate([np.zeros((len(times), 1, 2)), np.cumsum(edges, axis=1)], axis=1)
+    return Stretch(pieces, times, headings, points)
+
+
+def moving(motion: Motion) -> FloatArray:
+    """Times of the key frames between which hinges turn: all, or those between lifting and lowering."""
     first, last = (0.0, 1.0) if motion.flat else (LIFT, 1.0 - LIFT)
-    moving = (motion.times >= first) & (motion.times <= last)
-    stops, turns = motion.times[moving], motion.turns[moving][:, hinges]
-    times, found = [stops[:1]], [turns[:1]]
+    return motion.times[(motion.times >= first) & (motion.times <= last)]
+
+
+def _times(motion: Motion, hinges: IntArray) -> FloatArray:
+    stops = moving(motion)
+    turns = motion.turns[np.isin(motion.times, stops)][:, hinges]
+    times = [stops[:1]]
     for k in range(len(stops) - 1):
-        swung = float(np.abs(turns[k + 1] - turns[k]).sum())
-        shares = np.arange(1, max(1, math.ceil(swung / STEP)) + 1) / max(1, math.ceil(swung / STEP))
-        times.append(stops[k] + shares * (stops[k + 1] - stops[k]))
-        found.append(turns[k] + shares[:, None] * (turns[k + 1] - turns[k]))
-    return np.concatenate(times), np.concatenate(found)
+        count = max(1, math.ceil(float(np.abs(turns[k + 1] - turns[k]).sum()) / STEP))
+        times.append(stops[k] + np.arange(1, count + 1) / count * (stops[k + 1] - stops[k]))
+    return np.concatenate(times)

@@ -61,7 +61,7 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
     outlines = [make_outline(points, i, parameters) for i, points in enumerate(raw)]
     bodies = cleared(outlines, ends, course, transform, parameters.gap_mm, scale)
     lengths = [scale * piece.length for piece in transform.pieces]
-    bodies = shaved(bodies, ends, lengths, course, parameters.gap_mm)
+    bodies = shaved(bodies, ends, lengths, motion, course, parameters.gap_mm, scale)
     pieces, warnings = [], []
     for i in range(len(transform)):
         made = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], parameters)

@@ -53,10 +53,18 @@ class Part:
         return box[3] - box[0], box[4] - box[1], box[5] - box[2]
 
     def mesh(self) -> tuple[FloatArray, IntArray]:
-        """(v, 3) points in mm and (f, 3) triangles, counter-clockwise seen from outside."""
+        """(v, 3) points in mm and (f, 3) triangles, counter-clockwise seen from outside.
+
+        In an order that depends on the solid alone: points by x, y, z, triangles by their points.
+        """
         mesh = self.solid.to_mesh64()
         points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
-        return points, np.array(mesh.tri_verts, dtype=np.int64)
+        triangles = np.array(mesh.tri_verts, dtype=np.int64)
+        order = np.lexsort(points.T[::-1])
+        triangles = np.argsort(order)[triangles]
+        first = triangles.argmin(axis=1)
+        turned = np.take_along_axis(triangles, (first[:, None] + np.arange(3)) % 3, axis=1)
+        return points[order], turned[np.lexsort(turned.T[::-1])]
 
 
 def make_parts(design: Design) -> tuple[Part, ...]:
