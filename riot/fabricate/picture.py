@@ -24,7 +24,8 @@ from riot.draw.figure import PictureFormatError
 from riot.draw.palette import LIGHT, PIECES, hue
 from riot.fabricate.model import polygons
 from riot.fabricate.paper import Frame, Page, new_page, png_bytes
-from riot.fabricate.sheets import painted
+from riot.fabricate.sheets import face, painted
+from riot.fabricate.telescope import Ring
 
 if TYPE_CHECKING:
     from riot.fabricate.model import Design
@@ -100,7 +101,7 @@ def puzzle_page(
     _paint(page, moved)
     if texture is not None:
         for i, frame in enumerate(placed):
-            _face(page, design, texture, side, i, frame, moved[i])
+            _face(page, design, texture, side, i, frame)
     if apart:
         _pins(page, design, placed)
     return page
@@ -191,15 +192,9 @@ def _darker(colour: str, share: float) -> str:
     return str(to_hex([share * part for part in to_rgb(colour)]))
 
 
-def _face(page: Page, design: Design, texture: Texture, side: Side, index: int, frame: Frame, body: Body) -> None:
+def _face(page: Page, design: Design, texture: Texture, side: Side, index: int, frame: Frame) -> None:
     """Paint the texture on the upper face of a piece; knuckles keep the piece's colour."""
-    region = frame.region(shapely.Polygon(design.pieces[index].outline))
-    top = design.parameters.height
-    upper = [layer for _, high, layer in body.layers if high == top]
-    if upper:
-        region = shapely.intersection(region, upper[0])
-    if not polygons(region):
-        return
+    region, top = frame.region(face(design, index, side)), design.parameters.height
     step = 25.4 / DOTS_PER_INCH
     pixels, (x0, y0, x1, y1) = painted(design, texture, side, index, frame, region, step)
     (left, low), (right, high) = _screen(np.array([[x0, y0], [x1, y1]]), top)
@@ -208,7 +203,7 @@ def _face(page: Page, design: Design, texture: Texture, side: Side, index: int, 
 
 
 def _pins(page: Page, design: Design, frames: list[Frame]) -> None:
-    """A pin over every pin hinge, and dashes from it to the two pieces it joins."""
+    """A pin over every pin hinge, a sleeve over every telescopic one, and dashes from it to the two pieces it joins."""
     height, pin = design.parameters.height, design.parameters.pin_mm
     bodies = []
     for index, piece in enumerate(design.pieces):
@@ -226,10 +221,15 @@ def _pins(page: Page, design: Design, frames: list[Frame]) -> None:
         for end in ends:
             way = np.concatenate([_screen(end[None], height), _screen(middle[None], low)])
             page.line(way, LIGHT["muted"], 0.25, dashed=True)
-        radius = 0.5 * pin
+        axis = shapely.Point(middle)
+        rings: tuple[Ring, ...] = (Ring(0.0, height, 0.5 * pin),)
         if piece.start.kind == "telescopic" and design.telescope is not None:
-            radius = design.telescope.sleeve[1].radius
-        bodies.append(Body(((low, low + height, shapely.Point(middle).buffer(radius)),), _METAL))
+            rings = design.telescope.sleeve
+        layers = [
+            (low + ring.low, low + ring.high, axis.buffer(ring.radius).difference(axis.buffer(ring.hole)))
+            for ring in rings
+        ]
+        bodies.append(Body(tuple(layers), _METAL))
     if bodies:
         over = len(page.axes.patches), len(page.axes.collections)
         _paint(page, bodies)

@@ -16,6 +16,7 @@ import shapely
 
 from riot.draw.palette import LIGHT
 from riot.fabricate.flat import Spot, shelves
+from riot.fabricate.model import polygons
 from riot.fabricate.paper import Frame, Page, new_page, pdf_bytes
 from riot.pose import rotate
 
@@ -58,6 +59,7 @@ def write_sheets(
 
 def sheet_pages(design: Design, texture: Texture, side: Side, dots_per_inch: float = DOTS_PER_INCH) -> list[Page]:
     """The pages of `write_sheets`."""
+    faces = [face(design, i, side) for i in range(len(design.pieces))]
     width, height, spots = _layout([piece.outline for piece in design.pieces])
     count = 1 + max(spot.page for spot in spots)
     pages = [new_page(width, height) for _ in range(count)]
@@ -65,7 +67,7 @@ def sheet_pages(design: Design, texture: Texture, side: Side, dots_per_inch: flo
         _words(page, design, side, number, count)
     for i, spot in enumerate(spots):
         frame = _frame(design.pieces[i].outline, spot, width, height, side)
-        _piece(pages[spot.page], design, texture, side, i, frame, dots_per_inch)
+        _piece(pages[spot.page], design, texture, side, i, frame, faces[i], dots_per_inch)
     return pages
 
 
@@ -91,10 +93,28 @@ def _layout(outlines: Sequence[FloatArray]) -> tuple[float, float, list[Spot]]:
     return side + 2 * MARGIN_MM, side + FOOT_MM + MARGIN_MM, shelves(sizes, side, side, APART_MM)
 
 
+def face(design: Design, index: int, side: Side) -> shapely.Polygon:
+    """The upper face of a piece (side "p") or the lower one ("q") within its outline, in its own frame, mm.
+
+    What it gives up for its neighbours' knuckles is left out, and so is what of its own knuckles stands off.
+    """
+    piece = design.pieces[index]
+    slab = piece.slabs[-1 if side == "p" else 0]
+    within = polygons(shapely.intersection(slab.section, shapely.Polygon(piece.outline)))
+    return max(within, key=lambda part: float(part.area))
+
+
 def _piece(
-    page: Page, design: Design, texture: Texture, side: Side, index: int, frame: Frame, dots_per_inch: float
+    page: Page,
+    design: Design,
+    texture: Texture,
+    side: Side,
+    index: int,
+    frame: Frame,
+    within: shapely.Polygon,
+    dots_per_inch: float,
 ) -> None:
-    cut = shapely.Polygon(frame.paper(design.pieces[index].outline))
+    cut = frame.region(within)
     with_bleed = cut.buffer(BLEED_MM)
     pixels, box = painted(design, texture, side, index, frame, with_bleed, 25.4 / dots_per_inch)
     page.image(pixels, box, with_bleed)
