@@ -1,4 +1,4 @@
-"""The command line: `riot make A B -o DIR`, `riot trunks A B`, `riot show FILE.riot`."""
+"""The command line: `riot make A B -o DIR`, `riot trunks A B`, `riot show FILE.riot`, `riot print FILE.riot -o DIR`."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from riot.cross import crs
 from riot.draw import animate_svg, draw_strip, write_film
 from riot.draw.film import film_writer
 from riot.errors import RiotError, TrunkError
+from riot.fabricate.command import add_print
 from riot.fidelity import bending_ratio, direction_error
 from riot.kernels.warm import warm_all
 from riot.motion import Motion
@@ -211,7 +212,7 @@ def _parser(more: Sequence[Callable[[Commands], None]]) -> argparse.ArgumentPars
     show_parser = commands.add_parser("show", help="print the numbers of a .riot file")
     show_parser.add_argument("file", type=Path, metavar="FILE.riot")
     show_parser.set_defaults(run=_show)
-    for add in more:
+    for add in (add_print, *more):
         add(commands)
     return parser
 

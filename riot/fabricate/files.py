@@ -63,8 +63,7 @@ def write_puzzle(
     """
     if not certificate.passed:
         raise FabricationError("uncertified", "; ".join(certificate.failures))
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise FileExistsError(errno.EEXIST, "exists and is not an empty folder: choose another", str(folder))
+    check_folder(folder)
     plates = lay_out(parts, design.parameters)
     folder.parent.mkdir(parents=True, exist_ok=True)
     temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
@@ -85,6 +84,12 @@ def write_puzzle(
         shutil.rmtree(temporary, ignore_errors=True)
         raise
     return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def check_folder(folder: Path) -> None:
+    """Raise FileExistsError unless the folder can be made, or is there and empty."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise FileExistsError(errno.EEXIST, "is there already, and is not an empty folder", str(folder))
 
 
 def stl_bytes(part: Part) -> bytes:

@@ -1,0 +1,88 @@
+"""The command `riot print FILE.riot -o DIR`: the files of a puzzle, certified. Ours."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from riot.fabricate.certificate import Fixed, certify, fix
+from riot.fabricate.design import design
+from riot.fabricate.errors import FabricationError
+from riot.fabricate.files import check_folder, write_puzzle
+from riot.fabricate.model import Design
+from riot.fabricate.parameters import ALLOWED, FabricationParameters
+from riot.fabricate.solid import make_parts
+from riot.transform import Transform
+
+if TYPE_CHECKING:
+    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+
+More = Callable[[Design], Sequence[Callable[[Path], None]]]
+"""What else to write for a design: functions that each write into the folder they are given."""
+
+
+def add_print(commands: Commands) -> None:
+    """Add the command to the parser of `riot`."""
+    parser = commands.add_parser("print", help="make the solids of a .riot file for a 3D printer")
+    parser.add_argument("file", type=Path, metavar="FILE.riot")
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="a folder that is not there yet"
+    )
+    for field in fields(FabricationParameters):
+        least, greatest = ALLOWED[field.name]
+        parser.add_argument(
+            f"--{field.name.removesuffix('_mm').replace('_', '-')}",
+            dest=field.name,
+            type=float,
+            metavar="MM",
+            help=f"{least:g} to {greatest:g}, default {field.default:g}",
+        )
+    parser.add_argument(
+        "--fix", action="store_true", help="thin the pin or enlarge the size if it cannot be made as is"
+    )
+    parser.set_defaults(run=_print)
+
+
+def print_puzzle(
+    transform: Transform,
+    folder: Path,
+    parameters: FabricationParameters | None = None,
+    *,
+    mend: bool = False,
+    more: More | None = None,
+) -> list[Path]:
+    """Design, verify, print the certificate on the terminal, write the files; returns them.
+
+    With ``mend`` the pin may get thinner and the size larger. Raises `riot.fabricate.errors.FabricationError` with the
+    reason if the puzzle cannot be made, OSError if the folder cannot be written; then nothing is written.
+    """
+    check_folder(folder)
+    if mend:
+        made = fix(transform, parameters)
+    else:
+        drawn = design(transform, parameters)
+        parts = make_parts(drawn)
+        made = Fixed(drawn, parts, certify(drawn, parts), ())
+    certificate = made.certificate
+    Console().print(certificate.table())
+    for line in (*certificate.words(), *(f"changed: {words}" for words in made.changes)):
+        print(line)
+    for words in made.design.warnings:
+        print(f"warning: {words}")
+    print(f"certificate: {'passed' if certificate.passed else 'failed'}")
+    if not certificate.passed:
+        raise FabricationError("uncertified", "; ".join(certificate.failures))
+    return write_puzzle(made.design, made.parts, certificate, folder, more(made.design) if more else ())
+
+
+def _print(chosen: argparse.Namespace) -> int:
+    given = {field.name: getattr(chosen, field.name) for field in fields(FabricationParameters)}
+    parameters = FabricationParameters(**{name: value for name, value in given.items() if value is not None})
+    for path in print_puzzle(Transform.load(chosen.file), chosen.output, parameters, mend=chosen.fix):
+        print(path)
+    return 0
