@@ -155,12 +155,14 @@ class PictureTexture:
         pixels = self._reduced(factor)
         # Of a reduced picture a value stands in the middle of its block.
         rows, columns = ((at[:, axis] - (factor - 1) / 2.0) / factor for axis in (1, 0))
-        found = [ndimage.map_coordinates(pixels[..., k], [rows, columns], order=1, mode="nearest") for k in range(3)]
+        found = [
+            ndimage.map_coordinates(pixels[..., k], [rows, columns], output=np.float64, order=1, mode="nearest")
+            for k in range(3)
+        ]
         return np.rint(np.stack(found, axis=1)).astype(np.uint8)
 
-    def _reduced(self, factor: int) -> FloatArray:
-        image = Image.fromarray(self.pixels)
-        return np.asarray(image.reduce(factor) if factor > 1 else image, dtype=np.float64)
+    def _reduced(self, factor: int) -> ByteArray:
+        return np.asarray(Image.fromarray(self.pixels).reduce(factor)) if factor > 1 else self.pixels
 
 
 def picture_texture(path: str | os.PathLike[str], transform: Transform, side: Side) -> PictureTexture:

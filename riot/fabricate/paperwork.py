@@ -1,0 +1,65 @@
+"""Paperwork: everything flat that comes with a puzzle, in one folder. Ours."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from riot.fabricate.flat import write_flat_files
+from riot.fabricate.page import write_page
+from riot.fabricate.picture import draw_puzzle
+from riot.fabricate.sheets import write_sheets
+from riot.fabricate.texture import Pattern, Texture, pattern_texture, picture_texture
+
+if TYPE_CHECKING:
+    from riot.fabricate.model import Design
+    from riot.fabricate.warp import Side
+    from riot.transform import Transform
+
+SIDES: tuple[Side, Side] = ("p", "q")
+SHEETS: Mapping[Side, str] = {"p": "texture-front.pdf", "q": "texture-back.pdf"}
+
+
+def find_textures(
+    transform: Transform,
+    picture_p: str | os.PathLike[str] | None = None,
+    picture_q: str | os.PathLike[str] | None = None,
+    pattern: Pattern | None = None,
+) -> dict[Side, Texture]:
+    """The textures of a transform's sides: from a colour picture where one is given, from a pattern else, or none.
+
+    Errors as `riot.fabricate.texture.picture_texture` and `pattern_texture`.
+    """
+    found: dict[Side, Texture] = {}
+    for side, picture in zip(SIDES, (picture_p, picture_q), strict=True):
+        if picture is not None:
+            found[side] = picture_texture(picture, transform, side)
+        elif pattern is not None:
+            found[side] = pattern_texture(pattern, transform, side)
+    return found
+
+
+def write_paperwork(
+    design: Design, folder: Path, textures: Mapping[Side, Texture] | None = None, *, dxf: bool = True
+) -> list[Path]:
+    """Write laser files, texture sheets, assembly page and pictures into a folder that exists; returns their paths.
+
+    ``laser-*.svg`` and, with ``dxf``, ``laser-*.dxf``; ``texture-front.pdf`` and ``texture-back.pdf`` for sides that
+    have a texture; ``assembly.pdf``; ``puzzle-p.png``, ``puzzle-q.png``, and ``apart-p.png``, ``apart-q.png``. The same
+    input gives the same bytes. Raises `riot.fabricate.flat.DxfError` if a DXF file is asked for and ezdxf is not
+    installed.
+    """
+    textures = textures or {}
+    written = write_flat_files(design, folder, dxf=dxf)
+    for side, texture in textures.items():
+        written.append(folder / SHEETS[side])
+        write_sheets(design, written[-1], texture, side)
+    written.append(folder / "assembly.pdf")
+    write_page(design, written[-1])
+    for side in SIDES:
+        for name, apart in (("puzzle", False), ("apart", True)):
+            written.append(folder / f"{name}-{side}.png")
+            draw_puzzle(design, written[-1], side, apart=apart, textures=textures)
+    return written

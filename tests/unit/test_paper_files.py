@@ -1,0 +1,214 @@
+"""Texture sheets, assembly page and pictures of the puzzle: true size, mirrored where they must be, deterministic."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from matplotlib.text import Text
+from PIL import Image
+
+from riot.draw.figure import PictureFormatError
+from riot.fabricate import Design, FabricationParameters, design
+from riot.fabricate.flat import FlatFormatError
+from riot.fabricate.page import write_page
+from riot.fabricate.paper import Frame, Page
+from riot.fabricate.paperwork import find_textures, write_paperwork
+from riot.fabricate.picture import DOTS_PER_INCH, ELEVATION, draw_puzzle
+from riot.fabricate.sheets import face, painted, sheet_pages, write_sheets
+from riot.fabricate.texture import ByteArray, PlainTexture
+from riot.fabricate.warp import Side
+from riot.groundtruth import exact_pair, exact_transform
+from riot.shape import FloatArray
+
+SIDES: tuple[Side, Side] = ("p", "q")
+RED = (255, 0, 0)
+
+
+class Places:
+    """A texture that tells the place by its colour."""
+
+    def colours(self, piece: int, xy: FloatArray, step: float) -> ByteArray:
+        red, green = np.rint(np.clip(128.0 + 60.0 * xy, 0.0, 255.0)).T
+        return np.column_stack([red, green, np.full(len(xy), piece)]).astype(np.uint8)
+
+
+class Red:
+    """A texture without detail."""
+
+    def colours(self, piece: int, xy: FloatArray, step: float) -> ByteArray:
+        return np.broadcast_to(np.array(RED, dtype=np.uint8), (len(xy), 3))
+
+
+@pytest.fixture(scope="module")
+def made() -> Design:
+    return design(exact_transform(exact_pair(4, 3)), FabricationParameters(size_mm=150.0))
+
+
+def cuts(pages: list[Page]) -> list[shapely.Polygon]:
+    """The cut lines on the pages."""
+    return [shapely.Polygon(patch.get_path().to_polygons()[0]) for page in pages for patch in page.axes.patches]
+
+
+@pytest.mark.parametrize("mirror", [None, 210.0])
+def test_frames_lead_there_and_back(mirror: float | None) -> None:
+    frame = Frame(0.7, 31.0, -4.0, mirror)
+    points = np.random.default_rng(3).uniform(-50.0, 50.0, (9, 2))
+    placed = frame.paper(points)
+    assert frame.piece(placed) == pytest.approx(points, abs=1e-12)
+    triangle = shapely.LinearRing(points[:3])
+    # Rigid; only the mirror turns the way around.
+    assert shapely.LinearRing(placed[:3]).length == pytest.approx(triangle.length)
+    assert (shapely.LinearRing(placed[:3]).is_ccw == triangle.is_ccw) == (mirror is None)
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_sheets_are_at_true_size(made: Design, side: Side) -> None:
+    pages = sheet_pages(made, PlainTexture(4), side, 40.0)
+    faces = [face(made, i, side) for i in range(len(made.pieces))]
+    found = cuts(pages)
+    assert sorted(cut.area for cut in found) == pytest.approx(sorted(part.area for part in faces), rel=1e-9)
+    page = shapely.box(0.0, 0.0, pages[0].width, pages[0].height)
+    for k, cut in enumerate(found):
+        assert page.buffer(-10.0).contains(cut)
+        assert all(cut.distance(other) > 4.0 for other in found[:k])
+
+
+def test_faces_leave_the_hinges_free(made: Design) -> None:
+    for i, piece in enumerate(made.pieces):
+        outline = shapely.Polygon(piece.outline)
+        for side in SIDES:
+            part = face(made, i, side)
+            assert part.difference(outline).area < 1e-9
+            assert 0.7 * outline.area < part.area <= outline.area
+
+
+def test_pdf_pages_are_paper(made: Design, tmp_path: Path) -> None:
+    write_sheets(made, tmp_path / "sheet.pdf", PlainTexture(4), "p", 40.0)
+    write_page(made, tmp_path / "page.pdf")
+    for name in ("sheet.pdf", "page.pdf"):
+        data = (tmp_path / name).read_bytes()
+        boxes = [[float(x) for x in box.split()] for box in re.findall(rb"/MediaBox \[([^\]]+)\]", data)]
+        assert boxes
+        assert all(box == pytest.approx([0.0, 0.0, 210.0 / 25.4 * 72.0, 297.0 / 25.4 * 72.0]) for box in boxes)
+        assert b"Date" not in data
+
+
+def test_back_is_the_mirrored_front(made: Design) -> None:
+    front = [cut.centroid.x for cut in cuts(sheet_pages(made, PlainTexture(4), "p", 40.0))]
+    back = [cut.centroid.x for cut in cuts(sheet_pages(made, PlainTexture(4), "q", 40.0))]
+    # The two faces of a piece differ by its hinges alone.
+    assert [210.0 - x for x in back] == pytest.approx(front, abs=1.5)
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_colours_are_where_the_pieces_have_them(made: Design, side: Side) -> None:
+    mirror = 210.0 if side == "q" else None
+    frame, region = Frame(0.5, 90.0, 70.0, mirror), face(made, 2, side)
+    on_paper = frame.region(region)
+    pixels, (x0, _, _, y1) = painted(made, Places(), side, 2, frame, on_paper, 0.5)
+    pose = made.transform.pose(0.0 if side == "p" else 1.0)
+    for point in (region.representative_point().coords[0], shapely.maximum_inscribed_circle(region).coords[0]):
+        c, s = math.cos(0.5), math.sin(0.5)
+        x, y = 90.0 + c * point[0] - s * point[1], 70.0 + s * point[0] + c * point[1]
+        x = x if mirror is None else mirror - x
+        seen = pixels[int((y1 - y) / 0.5), int((x - x0) / 0.5)]
+        (place,) = pose.place(2, np.array([point]) / made.scale)
+        assert seen[:2].astype(float) == pytest.approx(128.0 + 60.0 * place, abs=1.5)
+        assert seen[2] == 2
+
+
+def test_large_pieces_get_large_paper(made: Design) -> None:
+    large = replace(
+        made, pieces=tuple(replace(piece, outline=3.0 * piece.outline) for piece in made.pieces), scale=3.0 * made.scale
+    )
+    page = sheet_pages(large, PlainTexture(4), "p", 10.0)[0]
+    assert page.width > 210.0
+
+
+def words(page: Page) -> str:
+    return "\n".join(text.get_text() for text in page.axes.findobj(Text))
+
+
+def test_assembly_page_tells_all(made: Design, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from riot.fabricate import page as module
+
+    seen: list[str] = []
+
+    def kept(pages: list[Page]) -> bytes:
+        seen.extend(words(each) for each in pages)
+        return b""
+
+    monkeypatch.setattr(module, "pdf_bytes", kept)
+    told = replace(made, warnings=("the moon is made of cheese",) * 60)
+    write_page(told, tmp_path / "page.pdf")
+    text = "\n".join(seen)
+    assert len(seen) >= 3  # many warnings go on, on a further page
+    assert text.count("the moon is made of cheese") == 60
+    for piece in made.pieces:
+        assert f"1 × {piece.name}\n" in text
+    assert f"{made.pins[0].count} × pin" in text
+    assert "P ⇄ Q" in seen[0]
+    # Numbers of the pieces: in P, in Q and on the chain.
+    assert all(seen[0].split("\n").count(str(i + 1)) == 3 for i in range(len(made.pieces)))
+
+
+def png(path: Path) -> Image.Image:
+    return Image.open(io.BytesIO(path.read_bytes())).convert("RGB")
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_picture_shows_the_faces_at_scale(made: Design, tmp_path: Path, side: Side) -> None:
+    draw_puzzle(made, tmp_path / "whole.png", side, textures={side: Red()})
+    pixels = np.asarray(png(tmp_path / "whole.png"))
+    shown = float((pixels == RED).all(axis=2).sum()) * (25.4 / DOTS_PER_INCH) ** 2
+    faces = sum(face(made, i, side).area for i in range(len(made.pieces))) * math.sin(ELEVATION)
+    assert 0.93 * faces < shown <= 1.001 * faces  # less what outlines cover
+
+
+def test_picture_taken_apart_is_larger(made: Design, tmp_path: Path) -> None:
+    draw_puzzle(made, tmp_path / "whole.png", "p")
+    draw_puzzle(made, tmp_path / "apart.png", "p", apart=True)
+    whole, apart = png(tmp_path / "whole.png"), png(tmp_path / "apart.png")
+    assert apart.width > whole.width
+    assert apart.height > whole.height
+
+
+def test_paper_is_deterministic(made: Design, tmp_path: Path) -> None:
+    for name in ("first", "second"):
+        write_sheets(made, tmp_path / f"{name}.pdf", Places(), "q", 60.0)
+        write_page(made, tmp_path / f"{name}-page.pdf")
+        draw_puzzle(made, tmp_path / f"{name}.png", "q", apart=True, textures={"q": Places()})
+    for suffix in (".pdf", "-page.pdf", ".png"):
+        assert (tmp_path / f"first{suffix}").read_bytes() == (tmp_path / f"second{suffix}").read_bytes()
+
+
+def test_other_formats_are_refused(made: Design, tmp_path: Path) -> None:
+    with pytest.raises(FlatFormatError, match=r"\.pdf"):
+        write_sheets(made, tmp_path / "sheet.svg", PlainTexture(4), "p")
+    with pytest.raises(FlatFormatError, match=r"\.pdf"):
+        write_page(made, tmp_path / "page.png")
+    with pytest.raises(PictureFormatError, match=r"\.png"):
+        draw_puzzle(made, tmp_path / "whole.pdf", "p")
+    assert not list(tmp_path.iterdir())
+
+
+def test_paperwork_is_complete(made: Design, tmp_path: Path) -> None:
+    textures = find_textures(made.transform, pattern="checks")
+    written = write_paperwork(made, tmp_path, textures, dxf=False)
+    assert sorted(written) == sorted(tmp_path.iterdir())
+    assert all(path.stat().st_size > 1000 for path in written)
+    assert {path.name for path in written} == {
+        *(f"laser-{kind}{kerf}.svg" for kind in ("outlines", "layers") for kerf in ("", "-kerf")),
+        "texture-front.pdf",
+        "texture-back.pdf",
+        "assembly.pdf",
+        *(f"{what}-{side}.png" for what in ("puzzle", "apart") for side in SIDES),
+    }
+    assert not find_textures(made.transform)
