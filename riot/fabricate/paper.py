@@ -77,7 +77,7 @@ class Page:
             linewidth=width_mm / POINT_MM if line else 0.0,
             joinstyle="round",
         )
-        self.axes.add_patch(patch)
+        self.axes.add_artist(patch)  # add_patch would measure it, in vain
         return patch
 
     def line(self, points: FloatArray, colour: str, width_mm: float = 0.2, dashed: bool = False) -> None:

@@ -161,8 +161,9 @@ def _paint(page: Page, bodies: list[Body]) -> None:
                 far.append(start[1] + end[1])
         order = np.argsort(-np.array(far), kind="stable")
         walls = [quads[k] for k in order], [colours[k] for k in order]
-        page.axes.add_collection(PolyCollection(walls[0], facecolors=walls[1], edgecolors=walls[1], linewidths=0.3))
-        page.axes.collections[-1].set_zorder(1)
+        page.axes.add_collection(
+            PolyCollection(walls[0], facecolors=walls[1], edgecolors=walls[1], linewidths=0.3, zorder=1), autolim=False
+        )
         for body, region in cut:
             above = [higher for low, high, higher in body.layers if low <= top < high]
             bare = not above or shapely.area(shapely.difference(region, above[0])) > _THIN * shapely.area(region)
