@@ -26,6 +26,12 @@ LARGER = 1.25
 THIN_PIN = 1.75
 """Diameter of the filament that serves as a thinner pin, mm."""
 
+WALL_STEP, THICKEST_WALL = 0.6, 4.0
+"""Knuckles' walls are thickened by so much at a time, and up to this, mm."""
+
+MENDED = ("size_mm", "pin_mm", "wall_mm")
+"""What `fix` may change."""
+
 
 @dataclass(frozen=True)
 class FabricationCertificate:
@@ -110,7 +116,7 @@ class Fixed:
 
 
 def fix(transform: Transform, parameters: FabricationParameters | None = None) -> Fixed:
-    """Design, build and verify; thin the pin, and enlarge the size, within the allowed ranges until it passes.
+    """Design, build and verify; thin the pin, enlarge the size or thicken knuckles, as allowed, until it passes.
 
     Raises the `riot.fabricate.errors.FabricationError` of the last try if nothing helps.
     """
@@ -123,10 +129,11 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None) -
             certificate = certify(made, parts)
             if certificate.passed:
                 return Fixed(made, parts, certificate, _changes(asked, tried))
-            error = FabricationError("uncertified", "; ".join(certificate.failures), "size_mm")
+            mend = next((check.mend for check in certificate.parts if check.failures), "size_mm")
+            error = FabricationError("uncertified", "; ".join(certificate.failures), mend)
         except FabricationError as caught:
             error = caught
-        if error.parameter not in ("size_mm", "pin_mm"):
+        if error.parameter not in MENDED:
             raise error
         following = _next(tried, error)
         if following is None:
@@ -135,7 +142,14 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None) -
 
 
 def _next(tried: FabricationParameters, error: FabricationError) -> FabricationParameters | None:
-    """The pin first: it keeps the size that was asked for."""
+    """What to try next; None if all is tried.
+
+    Where a knuckle hangs on little its wall is thickened: no size widens a narrow corner. Else the pin comes first,
+    which keeps the size that was asked for.
+    """
+    if error.parameter == "wall_mm":
+        wall = round(tried.wall_mm + WALL_STEP, 3)
+        return replace(tried, wall_mm=wall) if wall <= THICKEST_WALL else None
     if tried.pin_mm > THIN_PIN:
         return replace(tried, pin_mm=THIN_PIN)
     greatest = ALLOWED["size_mm"][1]
@@ -148,6 +162,6 @@ def _next(tried: FabricationParameters, error: FabricationError) -> FabricationP
 def _changes(asked: FabricationParameters, made: FabricationParameters) -> tuple[str, ...]:
     return tuple(
         f"{name}: {getattr(made, name):g} instead of {getattr(asked, name):g}"
-        for name in ("size_mm", "pin_mm")
+        for name in MENDED
         if getattr(made, name) != getattr(asked, name)
     )

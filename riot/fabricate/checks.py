@@ -23,7 +23,7 @@ from riot.fabricate.clearance import (
 )
 from riot.fabricate.course import Stretch, stretches
 from riot.fabricate.model import Design, HingeEnd, PieceDesign, Slab
-from riot.fabricate.outlines import disc, narrowest
+from riot.fabricate.outlines import disc, mends, narrowest
 from riot.fabricate.solid import Part, genus
 from riot.motion.motion import LIFT
 from riot.shape import FloatArray
@@ -49,6 +49,7 @@ class PartCheck:
     """One part: what manifold3d says of it beside what its flat layers say; mm, mm³.
 
     ``wall`` is the least width of a layer, pin holes filled; NaN for what is not a piece.
+    ``mend`` is the parameter to enlarge if a check fails.
     """
 
     name: str
@@ -60,6 +61,7 @@ class PartCheck:
     genus: int
     layers_genus: int
     wall: float
+    mend: str
     failures: tuple[str, ...] = field(default=())
 
 
@@ -122,13 +124,15 @@ def check_part(part: Part, piece: PieceDesign | None) -> PartCheck:
         failures.append(f"{part.name} has {volume:.3f} mm³ where its layers have {expected:.3f}")
     if found != wanted:
         failures.append(f"{part.name} has {found} handles where its layers have {wanted}")
+    mend = "size_mm"
     if piece is not None and wall < LEAST_WALL:
+        mend = mends(piece, LEAST_WALL)
         failures.append(
-            f"{part.name} is only {wall:.2f} mm wide where a knuckle or a good part of it hangs on it, less than "
-            f"{LEAST_WALL:g}: enlarge size_mm or thin pin_mm"
+            f"{part.name} (hinges {piece.start.hinge} and {piece.end.hinge}) is only {wall:.2f} mm wide where a "
+            f"knuckle or a good part of it hangs on it, less than {LEAST_WALL:g}: enlarge {mend}"
         )
     return PartCheck(
-        part.name, part.count, status.name, components, volume, expected, found, wanted, wall, tuple(failures)
+        part.name, part.count, status.name, components, volume, expected, found, wanted, wall, mend, tuple(failures)
     )
 
 

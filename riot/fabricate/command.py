@@ -42,9 +42,7 @@ def add_print(commands: Commands) -> None:
             metavar="MM",
             help=f"{least:g} to {greatest:g}, default {field.default:g}",
         )
-    parser.add_argument(
-        "--fix", action="store_true", help="thin the pin or enlarge the size if it cannot be made as is"
-    )
+    parser.add_argument("--fix", action="store_true", help="change pin, size or wall if it cannot be made as is")
     parser.set_defaults(run=_print)
 
 
@@ -58,8 +56,10 @@ def print_puzzle(
 ) -> list[Path]:
     """Design, verify, print the certificate on the terminal, write the files; returns them.
 
-    With ``mend`` the pin may get thinner and the size larger. Raises `riot.fabricate.errors.FabricationError` with the
-    reason if the puzzle cannot be made, OSError if the folder cannot be written; then nothing is written.
+    With ``mend`` the pin may get thinner, the size larger, and knuckles thicker.
+
+    Raises `riot.fabricate.errors.FabricationError` with the reason if the puzzle cannot be made, OSError if the folder
+    cannot be written; then nothing is written.
     """
     check_folder(folder)
     if mend:

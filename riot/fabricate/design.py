@@ -16,7 +16,7 @@ from riot.fabricate.course import stretches
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.layers import make_slabs
 from riot.fabricate.model import Design, HingeEnd, Kind, PieceDesign, Pin
-from riot.fabricate.outlines import SPARE, corner, make_outline, narrowest
+from riot.fabricate.outlines import SPARE, corner, make_outline, mends, narrowest
 from riot.fabricate.parameters import FabricationParameters
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
@@ -160,14 +160,14 @@ def _remarks(piece: PieceDesign, raw: FloatArray, parameters: FabricationParamet
         angle = corner(raw, end.x, end.relief_radius) if end.kind != "open" else math.pi
         if angle < NARROW:
             said.append(
-                f"{piece.name}: its corner at hinge {end.hinge} is only {math.degrees(angle):.0f}° wide: "
-                "print it strong (more walls, a larger size_mm)"
+                f"{piece.name}: its corner at hinge {end.hinge} is only {math.degrees(angle):.0f}° wide: a thicker "
+                "knuckle (wall_mm, pin_mm) holds better"
             )
-    wall = narrowest(piece)
-    if wall < 2.0 * parameters.wall_mm:
+    wall, wanted = narrowest(piece), 2.0 * parameters.wall_mm
+    if wall < wanted:
         said.append(
-            f"{piece.name}: {wall:.1f} mm wide at its narrowest, less than two walls of {parameters.wall_mm:g} mm; "
-            "a larger size_mm helps"
+            f"{piece.name}: {wall:.1f} mm wide at its narrowest, less than two walls of {parameters.wall_mm:g} mm: "
+            f"a larger {mends(piece, wanted)} helps"
         )
     if piece.lost > GREAT_LOSS:
         said.append(f"{piece.name}: other pieces' hinges take {piece.lost:.1%} of it; a smaller pin_mm takes less")

@@ -120,7 +120,12 @@ def _one(
     for end in ends:
         held = [root(i) == main for i, (k, part) in enumerate(flat) if _of(end, slabs[k], part)]
         if not all(held):
-            raise _broken(index, f"does not reach its knuckle at hinge {end.hinge}", ends, parameters)
+            raise FabricationError(
+                "falls-apart",
+                f"piece-{index + 1} does not reach its knuckle at hinge {end.hinge}: enlarge wall_mm "
+                f"({parameters.wall_mm:g})",
+                "wall_mm",
+            )
     kept = []
     for k, slab in enumerate(slabs):
         left = [part for i, (layer, part) in enumerate(flat) if layer == k and root(i) == main]

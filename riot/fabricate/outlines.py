@@ -89,6 +89,13 @@ def narrowest(piece: PieceDesign) -> float:
     return min(_neck(region, least, knuckle) for slab in piece.slabs for region in _large(slab.section, least))
 
 
+def mends(piece: PieceDesign, width: float) -> str:
+    """Which parameter widens a piece that is narrower than ``width`` mm: the size if its flat body is, or the wall of
+    its knuckles if only the joint with a knuckle is."""
+    knuckle = max(piece.start.radius, piece.end.radius)
+    return "size_mm" if _neck(piece.body, math.pi * knuckle * knuckle / 3.0, knuckle) < width else "wall_mm"
+
+
 def _large(section: shapely.Geometry, least: float) -> list[shapely.Polygon]:
     return [shapely.Polygon(part.exterior) for part in parts(section) if part.area > least]
 
