@@ -22,6 +22,9 @@ from riot.transform import Transform
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
 
+PATTERNS = ("bands", "stripes", "checks")
+"""Those of `riot.fabricate.texture`, which takes long to import."""
+
 More = Callable[[Design], Sequence[Callable[[Path], None]]]
 """What else to write for a design: functions that each write into the folder they are given."""
 
@@ -43,6 +46,17 @@ def add_print(commands: Commands) -> None:
             help=f"{least:g} to {greatest:g}, default {field.default:g}",
         )
     parser.add_argument("--fix", action="store_true", help="change pin, size or wall if it cannot be made as is")
+    parser.add_argument(
+        "--paper",
+        action="store_true",
+        help="laser files (SVG), an assembly page and pictures too; implied by those below",
+    )
+    parser.add_argument("--dxf", action="store_true", help="laser files as DXF too (needs the extra 'print')")
+    parser.add_argument(
+        "--texture-p", type=Path, metavar="PICTURE", help="paint the front with the picture of the first"
+    )
+    parser.add_argument("--texture-q", type=Path, metavar="PICTURE", help="paint the back with that of the second")
+    parser.add_argument("--pattern", choices=PATTERNS, help="paint sides without a picture with a pattern")
     parser.set_defaults(run=_print)
 
 
@@ -83,6 +97,22 @@ def print_puzzle(
 def _print(chosen: argparse.Namespace) -> int:
     given = {field.name: getattr(chosen, field.name) for field in fields(FabricationParameters)}
     parameters = FabricationParameters(**{name: value for name, value in given.items() if value is not None})
-    for path in print_puzzle(Transform.load(chosen.file), chosen.output, parameters, mend=chosen.fix):
+    check_folder(chosen.output)
+    # Here, not above: what paints takes a second to import, and every command of riot would wait for it.
+    from riot.fabricate.paperwork import find_textures, write_paperwork
+
+    transform = Transform.load(chosen.file)
+    painted = [chosen.texture_p, chosen.texture_q, chosen.pattern]
+    textures = find_textures(transform, *painted)
+    paper = chosen.paper or chosen.dxf or any(each is not None for each in painted)
+
+    def more(made: Design) -> list[Callable[[Path], None]]:
+        def write(folder: Path) -> None:
+            write_paperwork(made, folder, textures, dxf=chosen.dxf)
+
+        return [write]
+
+    written = print_puzzle(transform, chosen.output, parameters, mend=chosen.fix, more=more if paper else None)
+    for path in written:
         print(path)
     return 0
