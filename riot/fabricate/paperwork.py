@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from riot.fabricate.flat import write_flat_files
 from riot.fabricate.page import write_page
 from riot.fabricate.picture import draw_puzzle
-from riot.fabricate.sheets import write_sheets
+from riot.fabricate.sheets import DOTS_PER_INCH, write_sheets
 from riot.fabricate.texture import Pattern, Texture, pattern_texture, picture_texture
 
 if TYPE_CHECKING:
@@ -42,20 +42,25 @@ def find_textures(
 
 
 def write_paperwork(
-    design: Design, folder: Path, textures: Mapping[Side, Texture] | None = None, *, dxf: bool = True
+    design: Design,
+    folder: Path,
+    textures: Mapping[Side, Texture] | None = None,
+    *,
+    dxf: bool = True,
+    dots_per_inch: float = DOTS_PER_INCH,
 ) -> list[Path]:
     """Write laser files, texture sheets, assembly page and pictures into a folder that exists; returns their paths.
 
     ``laser-*.svg`` and, with ``dxf``, ``laser-*.dxf``; ``texture-front.pdf`` and ``texture-back.pdf`` for sides that
-    have a texture; ``assembly.pdf``; ``puzzle-p.png``, ``puzzle-q.png``, and ``apart-p.png``, ``apart-q.png``. The same
-    input gives the same bytes. Raises `riot.fabricate.flat.DxfError` if a DXF file is asked for and ezdxf is not
-    installed.
+    have a texture, their pictures with so many ``dots_per_inch``; ``assembly.pdf``; ``puzzle-p.png``, ``puzzle-q.png``,
+    and ``apart-p.png``, ``apart-q.png``. The same input gives the same bytes. Raises `riot.fabricate.flat.DxfError` if
+    a DXF file is asked for and ezdxf is not installed.
     """
     textures = textures or {}
     written = write_flat_files(design, folder, dxf=dxf)
     for side, texture in textures.items():
         written.append(folder / SHEETS[side])
-        write_sheets(design, written[-1], texture, side)
+        write_sheets(design, written[-1], texture, side, dots_per_inch)
     written.append(folder / "assembly.pdf")
     write_page(design, written[-1])
     for side in SIDES:

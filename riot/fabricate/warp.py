@@ -336,8 +336,12 @@ def _unfolded(points: FloatArray, images: FloatArray, triangles: IntArray, bound
     around a point are linear in its place: linear programming finds where the least, relative to its size, is greatest.
     """
     images, sizes = images.copy(), _areas(points, triangles)
-    for _ in range(SWEEPS):
+    best, least = images.copy(), np.inf
+    for _ in range(SWEEPS + 1):
         folded = _areas(images, triangles) < LEAST * sizes
+        # Where too much is folded sweeps only carry the folds about: the best is kept.
+        if float(sizes[folded].sum()) < least:
+            best, least = images.copy(), float(sizes[folded].sum())
         moving = np.unique(triangles[folded])
         moving = moving[moving >= boundary]
         if len(moving) == 0:
@@ -351,10 +355,10 @@ def _unfolded(points: FloatArray, images: FloatArray, triangles: IntArray, bound
             constant = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / sizes[around]
             rows = np.column_stack([edge[:, 1], -edge[:, 0], np.ones(len(around))])
             box = [(-10.0, 10.0), (-10.0, 10.0), (None, 1.0)]
-            best = linprog([0.0, 0.0, -1.0], A_ub=rows, b_ub=constant, bounds=box)
-            if best.x is not None:
-                images[vertex] = best.x[:2]
-    return images
+            found = linprog([0.0, 0.0, -1.0], A_ub=rows, b_ub=constant, bounds=box)
+            if found.x is not None:
+                images[vertex] = found.x[:2]
+    return best
 
 
 def _areas(points: FloatArray, triangles: IntArray) -> FloatArray:

@@ -89,6 +89,21 @@ def test_triangles_fill_the_shape_and_do_not_fold(seed: int) -> None:
     assert warp.folded == 0.0
 
 
+def star(size: float, points: int = 9) -> FloatArray:
+    """A unit-area star, (2 · points, 2), whose first corner is a tip if ``size`` is positive, a notch else."""
+    angle = np.arange(2 * points) * np.pi / points
+    radius = 1.0 + size * np.cos(points * angle)
+    found = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    return found / np.sqrt(signed_area(found))
+
+
+@pytest.mark.parametrize("size", [0.05, 0.08])
+def test_tips_become_notches_without_folds(size: float) -> None:
+    # A harmonic map alone folds 0.6 % of the larger of the two stars.
+    made, target = star(size), star(-size)
+    assert make_warp(made, np.array([0, 6]), target, target[[0, 6]]).folded == 0.0
+
+
 def test_fold_is_reported() -> None:
     warp, _, _ = blob_warp(0)
     images = warp.images.copy()
@@ -212,3 +227,24 @@ def test_plain_pieces_differ() -> None:
     texture = PlainTexture(5)
     colours = {tuple(texture.colours(i, np.zeros((3, 2)), 0.01)[0].tolist()) for i in range(5)}
     assert len(colours) == 5
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_exact_transform_shows_its_picture(tmp_path: Path, exact: Transform, side: Side) -> None:
+    shape = exact.p if side == "p" else exact.q
+    size = 300
+    shape = replace(shape, to_source=np.array([[90.0, 0.0, 150.0], [0.0, -90.0, 150.0]]))
+    x, y = np.meshgrid(np.arange(size), np.arange(size))
+    region = shapely.Polygon(shape.source(shape.points))
+    opaque = shapely.contains_xy(region, x.ravel(), y.ravel()).reshape(size, size)
+    rgba = np.stack([x * 200 // size, y * 200 // size, 0 * x, 255 * opaque], axis=2).astype(np.uint8)
+    Image.fromarray(rgba, "RGBA").save(tmp_path / "exact.png")
+    transform = replace(exact, p=shape) if side == "p" else replace(exact, q=shape)
+    texture = picture_texture(tmp_path / "exact.png", transform, side)
+    # Whatever piece a place lies on: pieces in their closed pose carry the picture without seams.
+    pose = exact.pose(0.0 if side == "p" else 1.0)
+    for i, piece in enumerate(exact.pieces):
+        middle = np.array(shapely.Polygon(piece.polygon).representative_point().coords)
+        placed = pose.place(i, middle)
+        found = texture.colours(i, placed, 0.002).astype(float)[0, :2]
+        assert found == pytest.approx(shape.source(placed)[0] * 200.0 / size, abs=1.5)

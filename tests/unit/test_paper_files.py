@@ -201,7 +201,7 @@ def test_other_formats_are_refused(made: Design, tmp_path: Path) -> None:
 
 def test_paperwork_is_complete(made: Design, tmp_path: Path) -> None:
     textures = find_textures(made.transform, pattern="checks")
-    written = write_paperwork(made, tmp_path, textures, dxf=False)
+    written = write_paperwork(made, tmp_path, textures, dxf=False, dots_per_inch=60.0)
     assert sorted(written) == sorted(tmp_path.iterdir())
     assert all(path.stat().st_size > 1000 for path in written)
     assert {path.name for path in written} == {
