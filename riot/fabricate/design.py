@@ -21,12 +21,15 @@ from riot.fabricate.parameters import FabricationParameters
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
 from riot.motion import Motion, MotionParameters, plan_motion
-from riot.polyline import extent
+from riot.polyline import extent, signed_area
 from riot.shape import FloatArray
 from riot.transform import Transform
 
 NARROW = math.radians(25.0)
 """A corner at a hinge narrower than this is weak."""
+
+GREAT_HINGES = 0.5
+"""Discs around a piece's hinges may be such a share of its area before it is worth telling."""
 
 GREAT_LOSS = 0.02
 """A share of a piece's area that is worth telling."""
@@ -145,7 +148,7 @@ def _piece(
     return PieceDesign(
         index,
         length,
-        shapely.get_coordinates(outline.exterior)[:-1],
+        shapely.get_coordinates(shapely.orient_polygons(outline).exterior)[:-1],
         body,
         *ends,
         make_slabs(index, body, ends, parameters),
@@ -169,6 +172,9 @@ def _remarks(piece: PieceDesign, raw: FloatArray, parameters: FabricationParamet
             f"{piece.name}: {wall:.1f} mm wide at its narrowest, less than two walls of {parameters.wall_mm:g} mm: "
             f"a larger {mends(piece, wanted)} helps"
         )
+    hinged = sum(math.pi * end.relief_radius**2 for end in (piece.start, piece.end)) / signed_area(piece.outline)
+    if hinged > GREAT_HINGES:
+        said.append(f"{piece.name}: its hinges are {hinged:.0%} as large as it: a larger size_mm helps")
     if piece.lost > GREAT_LOSS:
         said.append(f"{piece.name}: other pieces' hinges take {piece.lost:.1%} of it; a smaller pin_mm takes less")
     return said

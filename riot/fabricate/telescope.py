@@ -75,7 +75,7 @@ class Telescope:
     @property
     def travel(self) -> float:
         """By how much the upper piece rises, mm."""
-        return self.sleeve_travel + self.rod_travel
+        return round(self.sleeve_travel + self.rod_travel, 9)
 
 
 def make_telescope(parameters: FabricationParameters) -> Telescope:
@@ -89,21 +89,21 @@ def make_telescope(parameters: FabricationParameters) -> Telescope:
         return round(math.ceil(round(length / layer, 6)) * layer, 9)
 
     ledge, lip, seam = layers(LEDGE_HEIGHT), layers(LIP_HEIGHT), parameters.axial_gap
-    seat = lip + layer
+    seat = round(lip + layer, 9)
     fixed = 4.0 * ledge + seat + 2.0 * seam
     least_cap = layers(LEAST_CAP)
     cap = max(least_cap, layers(0.5 * (2.0 * height - fixed - parameters.travel - SPARE)) - layer)
     cap = min(cap, max(least_cap, layers(height / 3.0)))
-    top = height - cap - seam
-    sleeve_travel, rod_travel = top - 2.0 * ledge - seat, top - 2.0 * ledge
-    if sleeve_travel <= 0.0 or sleeve_travel + rod_travel < parameters.travel:
-        least = fixed + 2.0 * least_cap + parameters.travel - height
+    top = round(height - cap - seam, 9)
+    sleeve_travel, rod_travel = round(top - 2.0 * ledge - seat, 9), round(top - 2.0 * ledge, 9)
+    if sleeve_travel <= 0.0 or round(sleeve_travel + rod_travel - parameters.travel, 9) < 0.0:
+        least = round(layers(fixed + 2.0 * least_cap + parameters.travel - height), 6)
         raise FabricationError(
             "thin",
             f"thickness_mm: a telescopic hinge of {height:g} mm cannot lift its piece by {parameters.travel:g} mm; "
-            f"make it {math.ceil(least / layer) * layer:g} mm",
+            f"make it {least:g} mm",
             "thickness_mm",
-            math.ceil(least / layer) * layer,
+            least,
         )
     gap, wall, step = parameters.telescope_gap_mm, parameters.telescope_wall_mm, parameters.telescope_ledge_mm
     if step <= gap + SNAP:
@@ -124,22 +124,23 @@ def make_telescope(parameters: FabricationParameters) -> Telescope:
     radius = bore + wall
     slit = min(rod, 2.0 * (knob - inner_mouth))
     split = layers(0.6 * top)
+    foot, under, eaves = round(seat + ledge, 9), round(top - ledge, 9), round(height - cap, 9)
     return Telescope(
         barrel=(
             Ring(0.0, lip, radius, flange - SNAP),
-            Ring(lip, top - ledge, radius, bore),
-            Ring(top - ledge, top, radius, mouth),
+            Ring(lip, under, radius, bore),
+            Ring(under, top, radius, mouth),
         ),
         sleeve=(
-            Ring(seat, seat + ledge, flange, inner_bore),
-            Ring(seat + ledge, top - ledge, sleeve, inner_bore),
-            Ring(top - ledge, top, sleeve, inner_mouth),
+            Ring(seat, foot, flange, inner_bore),
+            Ring(foot, under, sleeve, inner_bore),
+            Ring(under, top, sleeve, inner_mouth),
         ),
         rod=(
             Ring(0.0, ledge, knob, slit=slit),
             Ring(ledge, split, rod, slit=slit),
-            Ring(split, height - cap, rod),
-            Ring(height - cap, height, radius),
+            Ring(split, eaves, rod),
+            Ring(eaves, height, radius),
         ),
         sleeve_travel=sleeve_travel,
         rod_travel=rod_travel,

@@ -1,0 +1,354 @@
+"""Fabrication: what holds of every design and its solids, and that the certificate catches what does not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from riot.fabricate import Design, FabricationError, FabricationParameters, PieceDesign, design
+from riot.fabricate.certificate import certify, fix
+from riot.fabricate.checks import placed_parts
+from riot.fabricate.course import STEP, stretches
+from riot.fabricate.model import Slab
+from riot.fabricate.outlines import disc, mends, narrowest
+from riot.fabricate.parameters import ALLOWED
+from riot.fabricate.solid import extruded, genus, make_parts
+from riot.fabricate.telescope import make_telescope
+from riot.groundtruth import dudeney, exact_pair, exact_transform
+from riot.motion.motion import LIFT, Motion
+from riot.polyline import extent, signed_area
+from riot.transform import Transform
+
+PAIRS = ((3, 1), (5, 1), (6, 2))
+
+
+@cache
+def transform_of(n: int, seed: int) -> Transform:
+    return exact_transform(dudeney() if n == 0 else exact_pair(n, seed))
+
+
+@cache
+def design_of(n: int, seed: int) -> Design:
+    return design(transform_of(n, seed))
+
+
+def lifting(transform: Transform) -> Transform:
+    """The same with a plan that lifts at one hinge though it need not: the second from the open one."""
+    flat = transform.motion()
+    n = len(transform)
+    lifted = (flat.open_hinge + 2) % n
+    level = np.zeros(n, dtype=np.int64)
+    level[(lifted + np.arange((flat.open_hinge - lifted - 1) % n + 1)) % n] = 1
+    ground = np.zeros((1, n), dtype=np.int64)
+    plan = Motion(
+        flat.open_hinge,
+        (lifted,),
+        flat.search,
+        np.concatenate([[0.0], LIFT + (1.0 - 2.0 * LIFT) * flat.times, [1.0]]),
+        np.concatenate([flat.turns[:1], flat.turns, flat.turns[-1:]]),
+        np.concatenate([ground, np.tile(level, (len(flat.times), 1)), ground]),
+        flat.gap,
+        flat.relief,
+        flat.tried,
+        flat.chain,
+        flat.place_p,
+        flat.place_q,
+    )
+    return replace(transform, plan=plan)
+
+
+@cache
+def lifted_design() -> Design:
+    return design(lifting(transform_of(4, 2)))
+
+
+def designs() -> list[Design]:
+    return [design_of(0, 0), *(design_of(*pair) for pair in PAIRS), lifted_design()]
+
+
+def with_piece(made: Design, index: int, changed: Callable[[PieceDesign], PieceDesign]) -> Design:
+    pieces = tuple(changed(piece) if i == index else piece for i, piece in enumerate(made.pieces))
+    return replace(made, pieces=pieces)
+
+
+@pytest.mark.parametrize("which", range(5))
+def test_every_design_is_certified_and_its_solids_are_what_its_layers_say(which: int) -> None:
+    made = designs()[which]
+    parts = make_parts(made)
+    certificate = certify(made, parts)
+    assert certificate.failures == ()
+    assert certificate.motion.proven
+    assert certificate.motion.overlap == 0.0
+    assert certificate.motion.gap >= made.parameters.gap_mm
+    for part, check in zip(parts, certificate.parts, strict=True):
+        assert (check.status, check.components) == ("NoError", 1)
+        assert part.volume == pytest.approx(sum(slab.volume for slab in part.slabs), rel=1e-9)
+        points, triangles = part.mesh()
+        edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+        # A closed surface: every edge is there once in either direction.
+        assert len(np.unique(edges, axis=0)) == len(edges)
+        assert set(map(tuple, edges.tolist())) == set(map(tuple, edges[:, ::-1].tolist()))
+        a, b, c = points[triangles].transpose(1, 0, 2)
+        assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0 == pytest.approx(part.volume, rel=1e-9)
+        assert len(points) - len(edges) // 2 + len(triangles) == 2 - 2 * check.genus
+
+
+@pytest.mark.parametrize("pair", [(0, 0), *PAIRS])
+def test_a_piece_is_its_outline_extruded_but_for_the_account_of_its_hinges(pair: tuple[int, int]) -> None:
+    made = design_of(*pair)
+    height, radius = made.parameters.height, made.parameters.knuckle_radius
+    for piece in made.pieces:
+        ends = [end for end in (piece.start, piece.end) if end.kind == "pin"]
+        flat = piece.body.area * height
+        # Knuckles add at most their cylinders, relief and holes take at most theirs.
+        most = sum(math.pi * radius**2 * (ring.high - ring.low) for end in ends for ring in end.rings)
+        least = sum(math.pi * (end.relief_radius + 0.02) ** 2 * height for end in ends)
+        assert flat - least < piece.volume < flat + most
+        # Away from the hinges it is exactly the outline extruded.
+        far = shapely.union_all([disc(end.x, end.y, end.relief_radius + 0.05) for end in ends])
+        for slab in piece.slabs:
+            assert slab.section.difference(far).symmetric_difference(piece.body.difference(far)).area < 0.05
+
+
+@pytest.mark.parametrize("pair", [(0, 0), *PAIRS])
+def test_handles_are_counted_by_knuckles(pair: tuple[int, int]) -> None:
+    made = design_of(*pair)
+    for piece, part in zip(made.pieces, make_parts(made), strict=False):
+        expected = 2 * (piece.start.kind == "pin") + (piece.end.kind == "pin")
+        assert genus(part.slabs) == part.solid.genus() == expected
+
+
+@pytest.mark.parametrize("which", range(5))
+def test_hinges_are_where_the_motion_says(which: int) -> None:
+    made = designs()[which]
+    motion, n = made.motion, len(made.pieces)
+    kinds = {piece.start.hinge: piece.start.kind for piece in made.pieces}
+    assert [kind for _, kind in sorted(kinds.items())] == [
+        "open" if h == motion.open_hinge else "telescopic" if h in motion.lifted else "pin" for h in range(n)
+    ]
+    assert sum(pin.count for pin in made.pins) == list(kinds.values()).count("pin")
+    assert made.sleeves == len(motion.lifted)
+    for before, after in zip(made.pieces, made.pieces[1:] + made.pieces[:1], strict=True):
+        assert before.end.hinge == after.start.hinge
+        assert {before.end.role, after.start.role} in ({"male", "female"}, {"none"})
+        assert (before.end.x, before.end.y) == (before.length, 0.0)
+
+
+def test_holes_leave_the_pin_the_clearance_asked_for() -> None:
+    parameters = FabricationParameters(pin_mm=4.0, clearance_mm=0.5, play_mm=0.1, wall_mm=2.0)
+    made = design(transform_of(5, 1), parameters)
+    for piece in made.pieces:
+        for end, gap in ((piece.start, 0.1), (piece.end, 0.5)):
+            if end.kind != "pin":
+                continue
+            axis = shapely.Point(end.x, end.y)
+            for ring in end.rings:
+                slab = next(s for s in piece.slabs if s.low < 0.5 * (ring.low + ring.high) < s.high)
+                assert slab.section.distance(axis) == pytest.approx(2.0 + gap, abs=2e-3)
+                # The wall: from the hole's edge outwards there is nothing but wall.
+                wall = disc(end.x, end.y, ring.radius - 0.01).difference(disc(end.x, end.y, 2.0 + gap + 0.02))
+                assert slab.section.contains(wall)
+            assert end.hole_mm == pytest.approx(4.0 + 2.0 * gap)
+    assert made.pins[0].diameter == 4.0
+
+
+@pytest.mark.parametrize("pair", [(0, 0), *PAIRS])
+def test_size_is_the_long_side_of_the_larger_shape(pair: tuple[int, int]) -> None:
+    made = design_of(*pair)
+    transform = made.transform
+    sides = [made.scale * extent(outline) for outline in (transform.outline_p(), transform.outline_q())]
+    assert max(sides) == pytest.approx(120.0)
+    for piece, of in zip(made.pieces, transform.pieces, strict=True):
+        whole = shapely.Polygon(made.scale * of.polygon)
+        assert signed_area(piece.outline) > 0.0
+        assert whole.contains(shapely.Polygon(piece.outline))
+        # Half the gap all round, and hardly more.
+        assert shapely.Polygon(piece.outline).distance(whole.boundary) == pytest.approx(0.175, abs=0.02)
+
+
+def test_samples_of_the_course_agree_with_the_motion_and_are_close() -> None:
+    made = lifted_design()
+    for stretch in stretches(made.motion, made.scale):
+        assert np.abs(np.diff(stretch.headings, axis=0)).max(initial=0.0) <= STEP * (1.0 + 1e-9)
+        for k in (0, len(stretch.times) // 2, len(stretch.times) - 1):
+            pose = made.motion.pose_at(float(stretch.times[k]))
+            origins = made.scale * pose.origins[stretch.pieces]
+            apart = np.linalg.norm(origins[:, None] - origins[None], axis=2)
+            points = stretch.points[k, :-1]
+            assert np.allclose(apart, np.linalg.norm(points[:, None] - points[None], axis=2), atol=1e-9)
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    t=st.floats(0.0, 1.0),
+    which=st.integers(0, 4),
+)
+def test_no_two_parts_overlap_at_any_pose(t: float, which: int) -> None:
+    made = designs()[which]
+    placed = [solid for _, solid in placed_parts(made, make_parts(made), t)]
+    assert all((placed[i] ^ placed[j]).volume() < 1e-9 for i in range(len(placed)) for j in range(i))
+
+
+def test_the_telescope_lifts_far_enough_and_holds() -> None:
+    made = lifted_design()
+    assert made.telescope is not None
+    check = next(check for check in certify(made).hinges if check.kind == "telescopic")
+    assert check.failures == ()
+    assert made.telescope.travel >= made.parameters.height + 1.0
+    heights = made.lift * made.motion.levels_at(0.5)
+    assert sorted(set(heights.tolist())) == [0.0, made.parameters.height + 1.0]
+
+
+@pytest.mark.parametrize("thickness", [9.0, 12.0, 20.0, 30.0])
+def test_telescopes_nest_at_any_thickness(thickness: float) -> None:
+    parameters = FabricationParameters(thickness_mm=thickness)
+    telescope = make_telescope(parameters)
+    assert telescope.travel >= parameters.travel
+    for rings in (telescope.barrel, telescope.sleeve, telescope.rod):
+        assert all(below.high == pytest.approx(above.low) for below, above in pairwise(rings))
+        layers = [z / parameters.layer_mm for ring in rings for z in (ring.low, ring.high)]
+        assert layers == pytest.approx(np.round(layers).tolist())
+    flange, ledge = telescope.sleeve[0].radius, telescope.barrel[-1].hole
+    knob, inner = telescope.rod[0].radius, telescope.sleeve[-1].hole
+    assert flange > ledge + 0.3 and knob > inner + 0.3
+
+
+def test_thin_pieces_cannot_have_a_telescope() -> None:
+    with pytest.raises(FabricationError, match="thickness_mm: a telescopic hinge of 7 mm") as caught:
+        make_telescope(FabricationParameters(thickness_mm=7.0))
+    assert caught.value.parameter == "thickness_mm"
+    make_telescope(FabricationParameters(thickness_mm=caught.value.value))
+
+
+@pytest.mark.parametrize("name", sorted(ALLOWED))
+def test_parameters_out_of_range_are_named(name: str) -> None:
+    least, greatest = ALLOWED[name]
+    for value in (least, greatest):
+        assert getattr(FabricationParameters(**{name: value}), name) == value
+    for value in (np.nextafter(least, -1.0), np.nextafter(greatest, 1e9), math.nan, math.inf):
+        with pytest.raises(
+            FabricationError, match=rf"{name}: .* allowed range, {least:g} to {greatest:g} mm"
+        ) as caught:
+            FabricationParameters(**{name: float(value)})
+        assert caught.value.parameter == name
+
+
+@settings(max_examples=60, deadline=None)
+@given(thickness=st.floats(6.0, 30.0), layer=st.floats(0.1, 0.4), gap=st.floats(0.2, 0.6))
+def test_knuckles_of_any_parameters_fill_the_height_in_whole_layers(thickness: float, layer: float, gap: float) -> None:
+    parameters = FabricationParameters(thickness_mm=thickness, layer_mm=layer, axial_gap_mm=gap)
+    lower, low, high, upper = parameters.levels
+    assert 0.0 < lower < low < high < upper < parameters.height
+    assert low - lower >= gap - 1e-6 and upper - high >= gap - 1e-6
+    assert abs(parameters.height - thickness) <= 0.5 * layer + 1e-9
+    for z in (*parameters.levels, parameters.height):
+        assert abs(z / layer - round(z / layer)) < 1e-6
+
+
+def test_a_size_too_small_is_refused_with_the_size_that_is_enough() -> None:
+    transform = transform_of(6, 2)
+    with pytest.raises(FabricationError, match=r"hinges \d and \d come within .* enlarge size_mm \(30\) to") as caught:
+        design(transform, FabricationParameters(size_mm=30.0, pin_mm=8.0))
+    assert (caught.value.reason, caught.value.parameter) == ("hinges-meet", "size_mm")
+    design(transform, FabricationParameters(size_mm=caught.value.value, pin_mm=8.0))
+
+
+def test_fixing_says_what_it_changed_and_stays_within_the_ranges() -> None:
+    made = fix(transform_of(6, 2), FabricationParameters(size_mm=30.0, pin_mm=8.0))
+    assert made.certificate.passed
+    assert made.design.parameters.pin_mm == 1.75
+    assert "pin_mm: 1.75 instead of 8" in made.changes
+    untouched = fix(transform_of(3, 1))
+    assert untouched.changes == ()
+    assert untouched.design.parameters == FabricationParameters()
+
+
+def test_an_inexact_transform_is_refused() -> None:
+    transform = transform_of(3, 1)
+    first = transform.pieces[0]
+    broken = replace(transform, pieces=(replace(first, upper=first.upper * [1.0, 1.01]), *transform.pieces[1:]))
+    with pytest.raises(FabricationError, match="the transform is not exact") as caught:
+        design(broken)
+    assert caught.value.reason == "uncertified"
+
+
+def test_a_narrow_corner_is_told_of_and_a_thicker_wall_mends_it() -> None:
+    thin = shapely.Polygon([(0.0, 0.0), (60.0, -6.0), (60.0, 6.0)]).buffer(-0.175)
+    made = design_of(3, 1)
+    start = next(piece.start for piece in made.pieces if piece.start.kind == "pin")
+    joined = shapely.union_all([thin, disc(0.0, 0.0, start.radius)])
+    piece = replace(made.pieces[0], body=thin, start=start, slabs=(Slab(0.0, 9.0, joined),))
+    assert narrowest(piece) < 1.0
+    assert mends(piece, 0.8) == "wall_mm"
+
+
+class TestDamage:
+    """The certificate must fail, and say where."""
+
+    def test_pieces_without_a_gap(self) -> None:
+        made = design_of(5, 1)
+        hinge = next(piece.start.hinge for piece in made.pieces if piece.start.kind == "pin")
+
+        def grown(piece: PieceDesign) -> PieceDesign:
+            return replace(
+                piece, slabs=tuple(Slab(slab.low, slab.high, slab.section.buffer(0.36)) for slab in piece.slabs)
+            )
+
+        failures = certify(with_piece(made, hinge, grown)).failures
+        assert any(f"hinge {hinge}" in words and "gap_mm" in words for words in failures)
+
+    def test_knuckles_without_room(self) -> None:
+        made = design_of(5, 1)
+        hinge = next(piece.start.hinge for piece in made.pieces if piece.start.kind == "pin")
+
+        def unrelieved(piece: PieceDesign) -> PieceDesign:
+            return replace(
+                piece, slabs=tuple(Slab(s.low, s.high, shapely.union(s.section, piece.body)) for s in piece.slabs)
+            )
+
+        damaged = with_piece(made, hinge, unrelieved)
+        certificate = certify(damaged)
+        assert not certificate.motion.proven
+        assert certificate.motion.overlap > 1.0
+        assert any(words.startswith(f"hinge {hinge}:") for words in certificate.failures)
+        assert any("overlap by" in words and "at time" in words for words in certificate.failures)
+
+    def test_holes_too_small_for_the_pin(self) -> None:
+        made = design_of(5, 1)
+        damaged = replace(made, parameters=replace(made.parameters, pin_mm=3.4))
+        failures = certify(damaged).failures
+        assert any("clearance_mm asks for 0.35" in words for words in failures)
+        assert any("play_mm asks for 0.2" in words for words in failures)
+
+    def test_a_solid_that_is_not_its_layers(self) -> None:
+        made = design_of(5, 1)
+        parts = make_parts(made)
+        worn = replace(parts[0], solid=extruded(parts[0].slabs[:-1]))
+        failures = certify(made, (worn, *parts[1:])).failures
+        assert any(words.startswith("piece-1 has") and "where its layers have" in words for words in failures)
+
+    def test_a_piece_in_two_parts(self) -> None:
+        made = design_of(5, 1)
+        parts = make_parts(made)
+        two = replace(parts[0], solid=parts[0].solid + parts[0].solid.translate((500.0, 0.0, 0.0)))
+        assert any("piece-1 is in 2 parts" in words for words in certify(made, (two, *parts[1:])).failures)
+
+    def test_pieces_that_cannot_lift_past_each_other(self) -> None:
+        made = lifted_design()
+        upper = made.motion.lifted[0]
+
+        def wide(piece: PieceDesign) -> PieceDesign:
+            lowest = piece.slabs[0]
+            return replace(piece, slabs=(Slab(lowest.low, lowest.high, piece.footprint.buffer(1.0)), *piece.slabs[1:]))
+
+        failures = certify(with_piece(made, upper, wide)).failures
+        assert any(words.startswith(f"piece-{upper + 1} cannot lift past") for words in failures)

@@ -1,0 +1,193 @@
+"""The files of a puzzle: read back by another program they are the same solids; all are written, or none."""
+
+from __future__ import annotations
+
+import json
+import struct
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+import trimesh
+
+from riot.cli import main
+from riot.fabricate import Design, FabricationError, FabricationParameters, design
+from riot.fabricate.certificate import FabricationCertificate, certify
+from riot.fabricate.command import PATTERNS
+from riot.fabricate.files import stl_bytes, write_puzzle
+from riot.fabricate.plates import SPACE_MM, lay_out
+from riot.fabricate.solid import Part, make_parts
+from riot.fabricate.texture import Pattern
+from riot.groundtruth import dudeney, exact_pair, exact_transform
+
+Made = tuple[Design, tuple[Part, ...], FabricationCertificate]
+
+
+def made_of(n: int, seed: int, parameters: FabricationParameters) -> Made:
+    made = design(exact_transform(dudeney() if n == 0 else exact_pair(n, seed)), parameters)
+    parts = make_parts(made)
+    return made, parts, certify(made, parts)
+
+
+@pytest.fixture(scope="module")
+def made() -> Made:
+    return made_of(0, 0, FabricationParameters())
+
+
+@pytest.fixture(scope="module")
+def folder(made: Made, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = tmp_path_factory.mktemp("print") / "puzzle"
+    write_puzzle(*made, found)
+    return found
+
+
+def test_every_stl_reads_back_as_the_same_closed_solid(made: Made, folder: Path) -> None:
+    for part in made[1]:
+        mesh = trimesh.load_mesh(folder / f"{part.name}.stl")
+        assert mesh.is_watertight and mesh.is_winding_consistent
+        assert mesh.volume == pytest.approx(part.volume, rel=1e-6)
+        assert mesh.extents == pytest.approx(part.size, abs=1e-5)
+        assert mesh.euler_number == 2 - 2 * part.solid.genus()
+
+
+def test_a_plate_reads_back_with_all_parts_named_apart_and_on_the_bed(made: Made, folder: Path) -> None:
+    scene = trimesh.load_scene(folder / "plate-1.3mf")
+    parts = {part.name: part for part in made[1]}
+    assert set(scene.geometry) == set(parts)
+    for name, mesh in scene.geometry.items():
+        assert mesh.is_watertight
+        assert mesh.volume == pytest.approx(parts[name].volume, rel=1e-6)
+    boxes = []
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        assert np.linalg.det(transform[:3, :3]) == pytest.approx(1.0)
+        boxes.append(trimesh.bounds.corners(scene.geometry[name].bounds) @ transform[:3, :3].T + transform[:3, 3])
+    assert len(boxes) == sum(part.count for part in made[1])
+    ends = [(box.min(axis=0), box.max(axis=0)) for box in boxes]
+    for k, (low, high) in enumerate(ends):
+        assert low[2] == pytest.approx(0.0, abs=1e-6)
+        assert min(low[:2]) >= SPACE_MM - 1e-4
+        assert max(high[:2]) <= 220.0 - SPACE_MM + 1e-4
+        for other_low, other_high in ends[:k]:
+            gaps = np.maximum(low - other_high, other_low - high)[:2]
+            assert gaps.max() >= SPACE_MM - 1e-4
+
+
+def test_files_are_the_same_bytes_every_time(made: Made, folder: Path, tmp_path: Path) -> None:
+    again = made_of(0, 0, FabricationParameters())
+    written = write_puzzle(*again, tmp_path / "again")
+    assert [path.name for path in written] == sorted(path.name for path in folder.iterdir())
+    for path in written:
+        assert path.read_bytes() == (folder / path.name).read_bytes()
+
+
+def test_the_list_of_parts_adds_up(made: Made, folder: Path) -> None:
+    document = json.loads((folder / "parts.json").read_text(encoding="utf-8"))
+    listed = {entry["name"]: entry for entry in document["parts"]}
+    for part in made[1]:
+        entry = listed[part.name]
+        assert entry["count"] == part.count
+        assert entry["volume_mm3"] == pytest.approx(part.volume, rel=1e-9)
+        assert (folder / entry["file"]).exists()
+    laid = [name for plate in document["plates"] for name in plate["parts"]]
+    assert {name: laid.count(name) for name in laid} == {part.name: part.count for part in made[1]}
+    assert document["pins"] == [{"diameter": 3.0, "length": 9.0, "count": 3}]
+    assert document["parameters"]["size_mm"] == 120.0
+    assert document["certificate"]["passed"] is True
+    assert len([hinge for hinge in document["hinges"] if hinge["kind"] == "pin"]) == 3
+
+
+def test_an_stl_has_unit_normals_that_point_outwards(made: Made) -> None:
+    data = stl_bytes(made[1][0])
+    (count,) = struct.unpack("<I", data[80:84])
+    record = np.frombuffer(data[84:], dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    assert len(record) == count
+    assert not data.startswith(b"solid")
+    assert np.linalg.norm(record["normal"], axis=1) == pytest.approx(np.ones(count), abs=1e-5)
+    top = record["corners"][:, :, 2].min(axis=1) == 9.0
+    assert top.any() and (record["normal"][top, 2] == 1.0).all()
+
+
+def test_a_small_bed_takes_several_plates_and_a_smaller_one_is_refused() -> None:
+    made = design(exact_transform(exact_pair(4, 3)), FabricationParameters(bed_width_mm=100.0, bed_depth_mm=100.0))
+    parts = make_parts(made)
+    plates = lay_out(parts, made.parameters)
+    assert len(plates) > 1
+    assert sorted(item.part for plate in plates for item in plate) == sorted(
+        name for part in parts for name in [part.name] * part.count
+    )
+    large = design(made.transform, replace(made.parameters, size_mm=400.0))
+    with pytest.raises(FabricationError, match=r"piece-\d is \d+ × \d+ mm, the bed 100 × 100 mm: lessen size_mm"):
+        lay_out(make_parts(large), large.parameters)
+
+
+def test_nothing_is_written_if_anything_fails(made: Made, tmp_path: Path) -> None:
+    drawn, parts, certificate = made
+
+    def fails(folder: Path) -> None:
+        assert (folder / "parts.json").exists()
+        raise RuntimeError("the printer is on fire")
+
+    with pytest.raises(RuntimeError, match="on fire"):
+        write_puzzle(drawn, parts, certificate, tmp_path / "puzzle", [fails])
+    assert list(tmp_path.iterdir()) == []
+    worse = replace(certificate, motion=replace(certificate.motion, failures=("hinge 2: too near",)))
+    with pytest.raises(FabricationError, match="hinge 2: too near"):
+        write_puzzle(drawn, parts, worse, tmp_path / "puzzle")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_with_something_in_it_is_left_alone(made: Made, tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(FileExistsError, match="not an empty folder"):
+        write_puzzle(*made, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+
+
+SMALL = ["--size", "30", "--pin", "8", "--wall", "6"]
+"""Knuckles too large for the pieces."""
+
+
+class TestPrint:
+    """`riot print`."""
+
+    @pytest.fixture
+    def saved(self, tmp_path: Path) -> Path:
+        path = tmp_path / "puzzle.riot"
+        exact_transform(dudeney()).save(path)
+        return path
+
+    def test_writes_the_files_and_tells_the_certificate(
+        self, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        out = tmp_path / "out"
+        assert main(["print", str(saved), "-o", str(out), "--size", "90", "--pin", "1.75", "--wall", "1.2"]) == 0
+        said = capsys.readouterr().out
+        assert "certificate: passed" in said and "proven at every moment" in said and "piece-4" in said
+        assert {path.name for path in out.iterdir()} >= {"piece-1.stl", "pin.stl", "plate-1.3mf", "parts.json"}
+        parameters = json.loads((out / "parts.json").read_text(encoding="utf-8"))["parameters"]
+        assert (parameters["size_mm"], parameters["pin_mm"], parameters["wall_mm"]) == (90.0, 1.75, 1.2)
+
+    @pytest.mark.parametrize(
+        ("options", "reason"),
+        [
+            (["--size", "5"], "size_mm: 5.0 is out of the allowed range"),
+            (SMALL, "enlarge size_mm (30)"),
+        ],
+    )
+    def test_says_why_it_cannot_be_made(
+        self, options: list[str], reason: str, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        out = tmp_path / "out"
+        assert main(["print", str(saved), "-o", str(out), *options]) == 2
+        assert reason in capsys.readouterr().err
+        assert not out.exists()
+
+    def test_fixes_it_when_told_to(self, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        assert main(["print", str(saved), "-o", str(tmp_path / "out"), *SMALL, "--fix"]) == 0
+        assert "changed: pin_mm: 1.75 instead of 8" in capsys.readouterr().out
+
+    def test_patterns_are_those_of_textures(self) -> None:
+        assert get_args(Pattern) == PATTERNS
