@@ -259,6 +259,8 @@ def dxf_bytes(parts: Sequence[Part]) -> bytes:
             for _, points in rings:
                 places = np.round(points, DIGITS).tolist()
                 space.add_lwpolyline(places, close=True, dxfattribs={"layer": name.upper()})
+        # The drawing's extent; its lower corner must not be the origin, which ezdxf takes for none.
+        space.reset_extents((APART_MM, APART_MM, 0.0), (*_extent(parts), 0.0))
         stream = io.StringIO()
         drawing.write(stream)
     finally:

@@ -14,6 +14,7 @@ import shapely
 from riot.draw.palette import LIGHT, PIECES, hue
 from riot.fabricate.flat import FlatFormatError
 from riot.fabricate.paper import Frame, Page, new_page, pdf_bytes
+from riot.fabricate.sheets import NAME
 from riot.pose import Pose, direction
 
 if TYPE_CHECKING:
@@ -36,8 +37,6 @@ _APART_MM = 4.0
 _LETTERS = 104
 """Of a line of text."""
 
-_NAME = 40
-
 
 def write_page(design: Design, path: str | os.PathLike[str]) -> None:
     """Write the assembly page: the numbered pieces in both shapes, the chain, the swing, parts, pins and warnings.
@@ -52,7 +51,7 @@ def write_page(design: Design, path: str | os.PathLike[str]) -> None:
 
 def _names(design: Design) -> tuple[str, str]:
     p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
-    return textwrap.shorten(p, _NAME, placeholder="…"), textwrap.shorten(q, _NAME, placeholder="…")
+    return textwrap.shorten(p, NAME, placeholder="…"), textwrap.shorten(q, NAME, placeholder="…")
 
 
 def _pictures(design: Design) -> Page:

@@ -7,6 +7,7 @@ the back are mirrored as a whole: printed on the back of the front's sheets, tur
 from __future__ import annotations
 
 import os
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,6 +40,9 @@ BLEED_MM = 1.0
 
 DOTS_PER_INCH = 300.0
 RULER_MM = 50.0
+
+NAME = 40
+"""Letters of a name that fit."""
 
 
 def write_sheets(
@@ -145,7 +149,8 @@ def painted(
 
 
 def _words(page: Page, design: Design, side: Side, number: int, count: int) -> None:
-    names = design.transform.p.name or "P", design.transform.q.name or "Q"
+    p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
+    names = [textwrap.shorten(name, NAME, placeholder="…") for name in (p, q)]
     what = f"front: {names[0]}" if side == "p" else f"back: {names[1]}, mirrored"
     x, y = MARGIN_MM, 7.0
     page.text(x, y + 4.4, f"{what} · sheet {number + 1} of {count}", 3.2, weight="bold")

@@ -59,6 +59,8 @@ def dxf_rings(path: Path) -> list[tuple[str, FloatArray]]:
     drawing = ezdxf.readfile(path)  # type: ignore[attr-defined]
     assert drawing.units == ezdxf.units.MM
     assert not drawing.audit().errors
+    low, high = drawing.header["$EXTMIN"], drawing.header["$EXTMAX"]
+    assert 0.0 <= low[0] < high[0] < 1e4
     found = []
     for entity in drawing.modelspace():
         assert entity.dxftype() == "LWPOLYLINE"
