@@ -1,8 +1,24 @@
 """Fabrication: from a transform to a puzzle in the hand (paper §4.4). All lengths in millimetres."""
 
+from riot.fabricate.certificate import FabricationCertificate, Fixed, certify, fix
 from riot.fabricate.design import design
 from riot.fabricate.errors import FabricationError
+from riot.fabricate.files import write_puzzle
 from riot.fabricate.model import Design, PieceDesign
 from riot.fabricate.parameters import FabricationParameters
+from riot.fabricate.solid import Part, make_parts
 
-__all__ = ["Design", "FabricationError", "FabricationParameters", "PieceDesign", "design"]
+__all__ = [
+    "Design",
+    "FabricationCertificate",
+    "FabricationError",
+    "FabricationParameters",
+    "Fixed",
+    "Part",
+    "PieceDesign",
+    "certify",
+    "design",
+    "fix",
+    "make_parts",
+    "write_puzzle",
+]

@@ -28,6 +28,9 @@ from riot.transform import Transform
 NARROW = math.radians(25.0)
 """A corner at a hinge narrower than this is weak."""
 
+STRONG_WALL = 1.6
+"""Two such walls, mm, are strong enough, however thick the knuckles' are."""
+
 GREAT_HINGES = 0.5
 """Discs around a piece's hinges may be such a share of its area before it is worth telling."""
 
@@ -166,10 +169,10 @@ def _remarks(piece: PieceDesign, raw: FloatArray, parameters: FabricationParamet
                 f"{piece.name}: its corner at hinge {end.hinge} is only {math.degrees(angle):.0f}° wide: a thicker "
                 "knuckle (wall_mm, pin_mm) holds better"
             )
-    wall, wanted = narrowest(piece), 2.0 * parameters.wall_mm
+    wall, wanted = narrowest(piece), 2.0 * min(parameters.wall_mm, STRONG_WALL)
     if wall < wanted:
         said.append(
-            f"{piece.name}: {wall:.1f} mm wide at its narrowest, less than two walls of {parameters.wall_mm:g} mm: "
+            f"{piece.name}: {wall:.1f} mm wide at its narrowest, less than two walls of {0.5 * wanted:g} mm: "
             f"a larger {mends(piece, wanted)} helps"
         )
     hinged = sum(math.pi * end.relief_radius**2 for end in (piece.start, piece.end)) / signed_area(piece.outline)
