@@ -62,7 +62,7 @@ STAGES = (
     Stage("select", ("select",), "selection"),
     Stage("trunks_full", ("trunks",), "shapes", bundle=16),
     Stage("crs", ("crs", "refine.candidates"), "pairs", bundle=4),
-    Stage("refine", ("refine",), "pairs", bundle=4),
+    Stage("refine", ("refine", "construct.spacing", "construct.max_lost_contact"), "pairs", bundle=4),
     Stage("shortlist", ("select",), "selection"),
     Stage("construct", ("construct", "refine.reach"), "pairs"),
     Stage("paper", ("construct", "refine.reach"), "best transforms"),

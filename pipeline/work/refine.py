@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.artifact import Artifact
 from pipeline.work.crs import unpack_scores
 from pipeline.work.items import ErrorRow, attempt, expect_shape
-from riot.construct.choose import plan_pairs, refine_best, trunk_pairs
+from riot.construct.choose import drop_without_contact, plan_pairs, refine_best, trunk_pairs
 from riot.construct.plan import Plan, TrunkPair
 from riot.errors import ConstructionError
 from riot.shape import Shape
@@ -20,16 +20,18 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     """Batches of P and Q and the pair's CRS → refined plans, highest bound first (see `unpack_plans`).
 
     ``bounds`` (k, 2) of P and of Q; ``which`` (k,) numbers the trunk pair among the scores; ``trunks`` (s, 4) corners
-    of T and T̄, those of plan i from ``offsets[i]`` on. The document says why the first of the others gave no plan.
+    of T and T̄, those of plan i from ``offsets[i]`` on. Plans that lose contact and come before any that does not are
+    left out, so that the first bound can be had. The document says why others gave no plan.
     """
     batch_p, batch_q, cross = inputs
-    (settings,) = parameters
+    settings, spacing, allowed = parameters
     p, q = expect_shape(batch_p, spec[0]), expect_shape(batch_q, spec[1])
     pairs = trunk_pairs(p, q, unpack_scores(cross), settings.reach)
     errors: list[ErrorRow] = []
     found = attempt(0, lambda: plan_pairs(pairs, settings), errors)
     plans, unplanned = found if found is not None else ([], [])
-    best = attempt(0, lambda: refine_best(plans, settings), errors) or []
+    refined = attempt(0, lambda: drop_without_contact(refine_best(plans, settings), spacing, allowed), errors)
+    best, failed = refined if refined is not None else ([], [])
     return Artifact(
         {
             "bounds": np.array([[plan.bound_p, plan.bound_q] for plan in best]).reshape(-1, 2),
@@ -37,7 +39,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
             "offsets": np.cumsum([0, *(plan.trunks.shape[1] for plan in best)], dtype=np.int64),
             "trunks": np.concatenate([np.empty((0, 4)), *(np.hstack(list(plan.trunks)) for plan in best)]),
         },
-        {"errors": errors, "reasons": [[one.reason, str(one)] for one in unplanned]},
+        {"errors": errors, "reasons": [[one.reason, str(one)] for one in (*failed, *unplanned)]},
     )
 
 

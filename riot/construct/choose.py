@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy.typing as npt
 
+from riot.construct.draft import require_plan_contact
 from riot.construct.given import given_pair
 from riot.construct.make import construct_plan
 from riot.construct.pins import Pins
@@ -117,6 +118,24 @@ def refine_best(plans: Sequence[Plan], parameters: RefineParameters) -> list[Pla
         rest = [refine(plan, steps, parameters) for plan in rest[:count]] + rest[count:]
         rest.sort(key=lambda plan: -plan.bound)
     return rest
+
+
+def drop_without_contact(
+    plans: Sequence[Plan], spacing: float, allowed: float
+) -> tuple[list[Plan], list[ConstructionError]]:
+    """Plans from the first on whose pieces keep their edges, so that its bound can be had; why those before it do not.
+
+    ``spacing`` and ``allowed`` as in `riot.construct.draft.require_plan_contact`.
+    """
+    errors: list[ConstructionError] = []
+    for k, plan in enumerate(plans):
+        try:
+            require_plan_contact(plan, spacing, allowed)
+        except ConstructionError as error:
+            errors.append(error)
+        else:
+            return list(plans[k:]), errors
+    return [], errors
 
 
 def construct_plans(

@@ -11,10 +11,12 @@ import numpy as np
 
 from riot.construct.dissect import Dissection, dissect
 from riot.construct.match import DetailParameters
+from riot.construct.mesh import mesh_convex
+from riot.construct.partition import require_contact
 from riot.construct.pinning import pinned_paths
 from riot.construct.pins import Pins
 from riot.errors import ConstructionError
-from riot.parameters import ConstructParameters
+from riot.parameters import L_C, ConstructParameters
 from riot.polyline import edge_lengths, trunk_angles
 from riot.pose import Placement, rotate
 from riot.shape import FloatArray, IntArray
@@ -113,6 +115,21 @@ def draft_plan(plan: Plan, parameters: ConstructParameters, detail: DetailParame
         dissect(plan.trunk_q[::-1], lower, parameters, "Q's trunk", detail),
         dissect(plan.trunk_p, upper, parameters, "P's trunk", detail),
     )
+
+
+def require_plan_contact(plan: Plan, spacing: float, allowed: float) -> None:
+    """ConstructionError if either partition would fail for want of contact; a small part of the cost of `draft_plan`.
+
+    ``spacing`` and ``allowed`` as `spacing` and `max_lost_contact` of `riot.parameters.ConstructParameters`.
+    """
+    for trunk, arcs, where in (
+        (plan.trunk_q[::-1], _backwards(plan.arcs_p, plan.offsets_p), "Q's trunk"),
+        (plan.trunk_p, _backwards(plan.arcs_q, plan.offsets_q), "P's trunk"),
+    ):
+        try:
+            require_contact(mesh_convex(trunk, L_C / spacing), *arcs, allowed)
+        except ConstructionError as error:
+            raise ConstructionError(error.reason, f"in {where}: {error}") from None
 
 
 def _backwards(arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntArray]:

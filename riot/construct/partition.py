@@ -13,7 +13,7 @@ import numpy as np
 
 from riot.construct.mesh import Mesh
 from riot.errors import ConstructionError
-from riot.kernels.cells import boxed, distances_beside, flood, lost_contact, nearest_pieces, rooted, weights
+from riot.kernels.cells import Arcs, boxed, distances_beside, flood, lost_contact, nearest_pieces, rooted, weights
 from riot.parameters import ConstructParameters
 from riot.shape import FloatArray, IntArray
 
@@ -48,20 +48,7 @@ def label_cells(mesh: Mesh, arcs: FloatArray, offsets: IntArray, parameters: Con
     ``arcs`` (s, 2) with ``offsets`` (n + 1,) are the pieces' arcs, counter-clockwise around the trunk. Arc 0 may belong
     to any edge: its first point tells which.
     """
-    corner = mesh.points[mesh.corners[0]]
-    first = int(np.argmin(((arcs[offsets[:-1]] - corner) ** 2).sum(axis=1)))
-    pieces = boxed(arcs, offsets, first)
-    # On a trunk edge itself a region neither begins nor ends: look from just inside.
-    inside = mesh.points + NUDGE * (mesh.points[-1] - mesh.points)
-    distances = np.full((len(mesh.points), len(mesh.corners)), np.nan)
-    # An empty piece's arc is its edge: what other pieces do not cover by more than the mesh can show is not lost.
-    lost = lost_contact(inside, mesh.rings, pieces, distances, 0.25 * mesh.spacing)
-    for k in np.flatnonzero(lost > parameters.max_lost_contact):
-        raise ConstructionError(
-            "lost-contact",
-            f"other pieces cover {lost[k]:.0%} of trunk edge {k}, whose own piece must stay on it "
-            f"(allowed {parameters.max_lost_contact:.0%})",
-        )
+    inside, pieces, distances = require_contact(mesh, arcs, offsets, parameters.max_lost_contact)
     labels = nearest_pieces(inside, mesh.rings, pieces, distances)
     boundary = len(mesh.corners) * mesh.rings
     labels[:boundary] = mesh.edge
@@ -77,3 +64,28 @@ def label_cells(mesh: Mesh, arcs: FloatArray, offsets: IntArray, parameters: Con
         flood(inside, mesh.triangles, pieces, kept, labels, distances)
     beside = distances_beside(inside, mesh.triangles, pieces, labels, distances)
     return Cells(mesh, labels, mesh.triangles[beside], distances)
+
+
+def require_contact(
+    mesh: Mesh, arcs: FloatArray, offsets: IntArray, allowed: float
+) -> tuple[FloatArray, Arcs, FloatArray]:
+    """ConstructionError ``lost-contact`` if pieces cover more than the share ``allowed`` of another one's trunk edge.
+
+    Returns the mesh points (k, 2) moved a little inwards, the pieces as the kernels read them, and the distances (k, n)
+    found on the way, NaN elsewhere.
+    """
+    corner = mesh.points[mesh.corners[0]]
+    first = int(np.argmin(((arcs[offsets[:-1]] - corner) ** 2).sum(axis=1)))
+    pieces = boxed(arcs, offsets, first)
+    # On a trunk edge itself a region neither begins nor ends: look from just inside.
+    inside = mesh.points + NUDGE * (mesh.points[-1] - mesh.points)
+    distances = np.full((len(mesh.points), len(mesh.corners)), np.nan)
+    # An empty piece's arc is its edge: what other pieces do not cover by more than the mesh can show is not lost.
+    lost = lost_contact(inside, mesh.rings, pieces, distances, 0.25 * mesh.spacing)
+    for k in np.flatnonzero(lost > allowed):
+        raise ConstructionError(
+            "lost-contact",
+            f"other pieces cover {lost[k]:.0%} of trunk edge {k}, whose own piece must stay on it "
+            f"(allowed {allowed:.0%})",
+        )
+    return inside, pieces, distances

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from blobs import blob, pair_shapes
 
-from riot.construct.choose import refine_best
+from riot.construct.choose import drop_without_contact, refine_best
 from riot.construct.given import given_pair
+from riot.construct.make import construct_plan
 from riot.construct.plan import Plan, TrunkPair, plan_pair
 from riot.construct.refine import refine
 from riot.cross import best_trunk_pairs
@@ -17,7 +18,7 @@ from riot.errors import ConstructionError
 from riot.groundtruth import exact_pair
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, edge_differences, tangential
-from riot.parameters import D_C, RefineParameters
+from riot.parameters import D_C, ConstructParameters, RefineParameters
 from riot.polyline import edge_lengths
 from riot.pose import rotate
 from riot.shape import Shape
@@ -109,3 +110,16 @@ def test_refinement_does_not_depend_on_where_the_shapes_lie() -> None:
     again = plan_pair(TrunkPair(turned, pair.q, turned.points, pair.outline_q, pair.trunk_p, pair.trunk_q))
     assert again.bound == pytest.approx(plan.bound, abs=1e-3)
     assert refine(again, 24, PARAMETERS).bound == pytest.approx(refine(plan, 24, PARAMETERS).bound, abs=5e-3)
+
+
+def test_plans_that_lose_contact_are_dropped_before_one_that_does_not() -> None:
+    found = plans(1, 2)
+    usual = ConstructParameters()
+    kept, errors = drop_without_contact(found, usual.spacing, usual.max_lost_contact)
+    assert len(kept) + len(errors) == len(found)
+    assert all(error.reason == "lost-contact" for error in errors)
+    made = construct_plan(kept[0], usual)
+    assert min(made.overlap_ratios) > kept[0].bound - 0.01
+    # With no loss allowed at all nothing passes, and each says why.
+    none, errors = drop_without_contact(found, usual.spacing, -1.0)
+    assert none == [] and len(errors) == len(found)

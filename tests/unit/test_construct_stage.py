@@ -51,8 +51,12 @@ def made(method: str) -> Artifact:
     ]
     batch = Artifact(pack_shapes([p, q]))
     cross = Artifact(pack_scores([CrossScore(0.9, trunks[0], trunks[1], 0.9, 0.9, 0.9, 0.1, 1)]), {"errors": []})
-    refined = refine([batch, batch, cross], [RefineParameters(sketched=0, refined=0)], (0, 1))
     settings = ConstructParameters(method=method)  # type: ignore[arg-type]
+    refined = refine(
+        [batch, batch, cross],
+        [RefineParameters(sketched=0, refined=0), settings.spacing, settings.max_lost_contact],
+        (0, 1),
+    )
     found = construct.run([batch, batch, cross, refined], [settings, REACH], ((0, "P"), (1, "Q")))
     assert "errors" not in found.document
     return decode(encode(found))
