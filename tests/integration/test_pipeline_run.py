@@ -208,6 +208,8 @@ def test_an_interrupt_says_how_to_go_on(root: Path, tmp_path: Path) -> None:
         text=True,
         cwd=tmp_path,
         start_new_session=True,
+        # Where the tests run in the background, interrupts are ignored, and processes inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
