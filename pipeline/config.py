@@ -115,6 +115,7 @@ _MAY_BE_ZERO = frozenset(
         "trunks.min_inside",
         "trunks.sparse_tolerance",
         "shape.feature_tolerance",
+        "shape.vertex_tolerance",
         "shape.smoothing",
         "reversibility.simplify",
         "construct.tolerance",

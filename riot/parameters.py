@@ -26,6 +26,9 @@ class ShapeParameters:
     """Consecutive boundary points are closer than ``L_c / spacing``."""
     feature_tolerance: float = 0.006
     """Douglas–Peucker tolerance for the main feature points, in units of ``L_c`` (ours)."""
+    vertex_tolerance: float = 5e-5
+    """Vertices of a polygon stay boundary points unless the outline without them is off by less than this, in units of
+    ``L_c`` (ours; the outlines of pictures and SVG files are known no better than their sampling)."""
     max_pixels: int = 64_000_000
     """A picture with more pixels is refused (ours)."""
     min_pixels: int = 64

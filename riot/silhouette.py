@@ -108,8 +108,8 @@ def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters 
 def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
     """Make a shape of an (m, 2) closed polygon in either orientation, y upwards.
 
-    The last point may repeat the first. The boundary is sampled anew; ``feature_tolerance=0`` keeps every
-    vertex. ``to_source`` maps to the polygon's own coordinates.
+    The last point may repeat the first. Its vertices stay, up to ``vertex_tolerance``, with midpoints between them;
+    ``feature_tolerance=0`` keeps every vertex. ``to_source`` maps to the polygon's own coordinates.
 
     Raises
     ------
@@ -126,7 +126,8 @@ def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParame
         raise SilhouetteError("unreadable", f"{where}: a polygon is an (m, 2) array of numbers") from error
     if array.ndim != 2 or array.shape[1] != 2 or not np.isfinite(array).all():
         raise SilhouetteError("unreadable", f"{where}: a polygon is an (m, 2) array of finite numbers")
-    return _outline_shape(array, name, where, parameters or ShapeParameters(), y_down=False)
+    parameters = parameters or ShapeParameters()
+    return _outline_shape(array, name, where, parameters, parameters.vertex_tolerance, y_down=False)
 
 
 def _picture_shape(picture: Picture, name: str, where: str, parameters: ShapeParameters) -> Shape:
@@ -243,12 +244,20 @@ def _with_neighbours(inside: BoolArray) -> tuple[BoolArray, BoolArray]:
     return all_sides, any_side
 
 
-def _outline_shape(points: FloatArray, name: str, where: str, parameters: ShapeParameters, *, y_down: bool) -> Shape:
+def _outline_shape(
+    points: FloatArray,
+    name: str,
+    where: str,
+    parameters: ShapeParameters,
+    vertex_tolerance: float = math.inf,
+    *,
+    y_down: bool,
+) -> Shape:
     """Sample one closed outline and bring it to the frame of a `Shape`."""
     _refuse_scale(points, where)
     flip = np.array([1.0, -1.0 if y_down else 1.0])
     outline = _simple_outline(points * flip, where)
-    samples, feature = _sampled(outline, where, parameters)
+    samples, feature = _sampled(outline, where, parameters, vertex_tolerance)
     area = polyline.signed_area(samples)
     centre = polyline.centroid(samples)
     scale = math.sqrt(area)
@@ -303,8 +312,13 @@ def _repaired(points: FloatArray, where: str) -> FloatArray:
     return np.asarray(best.exterior.coords, dtype=np.float64)[:-1]
 
 
-def _sampled(outline: FloatArray, where: str, parameters: ShapeParameters) -> tuple[FloatArray, BoolArray]:
-    """Feature points and midpoints between them, closer than ``L_c / spacing`` at the samples' own scale."""
+def _sampled(
+    outline: FloatArray, where: str, parameters: ShapeParameters, vertex_tolerance: float
+) -> tuple[FloatArray, BoolArray]:
+    """Feature points and midpoints between them, closer than ``L_c / spacing`` at the samples' own scale.
+
+    Vertices without which the outline would be off by ``vertex_tolerance``, in units of ``L_c``, are among them.
+    """
     unit = math.sqrt(polyline.signed_area(outline))
     length = float(polyline.edge_lengths(outline).sum()) / (L_C * unit)
     if length > _LONGEST:
@@ -315,8 +329,12 @@ def _sampled(outline: FloatArray, where: str, parameters: ShapeParameters) -> tu
         )
     tolerance = parameters.feature_tolerance
     for _ in range(4):
-        kept = polyline.simplify(outline, tolerance * L_C * unit)
+        main = polyline.simplify(outline, tolerance * L_C * unit)
+        kept = main
+        if vertex_tolerance < tolerance:
+            kept = np.union1d(main, polyline.simplify(outline, vertex_tolerance * L_C * unit))
         samples, feature = polyline.insert_midpoints(outline, kept, L_C / parameters.spacing * unit)
+        feature[np.flatnonzero(feature)[~np.isin(kept, main)]] = False
         area = polyline.signed_area(samples)
         if len(samples) >= 3 and area > 0.0 and polyline.is_simple(samples):
             if polyline.edge_lengths(samples).max() < L_C / parameters.spacing * math.sqrt(area):

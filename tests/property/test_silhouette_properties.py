@@ -71,7 +71,10 @@ def test_polygon_shape_is_canonical(
 def test_sampling_is_faithful(seed: int) -> None:
     polygon = blob(seed)
     shape = polygon_shape(polygon)
-    assert iou(shape.source(shape.points), polygon) > 0.995
+    assert iou(shape.source(shape.points), polygon) > 0.9997
+    coarse = polygon_shape(polygon, parameters=ShapeParameters(vertex_tolerance=1.0))
+    assert coarse.feature.sum() == shape.feature.sum()
+    assert iou(coarse.source(coarse.points), polygon) > 0.995
     everything = polygon_shape(polygon, parameters=ShapeParameters(feature_tolerance=0.0))
     assert everything.feature.sum() == len(polygon)
     assert iou(everything.source(everything.points), polygon) == pytest.approx(1.0, abs=1e-12)
