@@ -1,6 +1,6 @@
 """Fabrication: from a transform to a puzzle in the hand (paper §4.4). All lengths in millimetres."""
 
-from riot.fabricate.certificate import FabricationCertificate, Fixed, certify, fix
+from riot.fabricate.certificate import FabricationCertificate, Fixed, build, certify, fix
 from riot.fabricate.design import design
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.files import write_puzzle
@@ -16,6 +16,7 @@ __all__ = [
     "Fixed",
     "Part",
     "PieceDesign",
+    "build",
     "certify",
     "design",
     "fix",

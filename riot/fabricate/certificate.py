@@ -107,37 +107,44 @@ def certify(design: Design, parts: tuple[Part, ...] | None = None) -> Fabricatio
 
 @dataclass(frozen=True, eq=False)
 class Fixed:
-    """A design that passes, and what was changed to get there, in words."""
+    """A design with its solids and their certificate, and what was changed of the parameters asked for, in words."""
 
     design: Design
     parts: tuple[Part, ...]
     certificate: FabricationCertificate
-    changes: tuple[str, ...]
+    changes: tuple[str, ...] = ()
+
+
+def build(transform: Transform, parameters: FabricationParameters | None = None) -> Fixed:
+    """Design, build and verify with just these parameters; the certificate of what comes back may fail.
+
+    Raises `riot.fabricate.errors.FabricationError` for what cannot exist.
+    """
+    made = design(transform, parameters)
+    parts = make_parts(made)
+    return Fixed(made, parts, certify(made, parts))
 
 
 def fix(transform: Transform, parameters: FabricationParameters | None = None) -> Fixed:
     """Design, build and verify; thin the pin, enlarge the size or thicken knuckles, as allowed, until it passes.
 
-    Raises the `riot.fabricate.errors.FabricationError` of the last try if nothing helps.
+    Raises the `riot.fabricate.errors.FabricationError` of the last try if nothing helps; its message says what was
+    tried.
     """
     asked = parameters or FabricationParameters()
     tried = asked
     while True:
         try:
-            made = design(transform, tried)
-            parts = make_parts(made)
-            certificate = certify(made, parts)
-            if certificate.passed:
-                return Fixed(made, parts, certificate, _changes(asked, tried))
-            mend = next((check.mend for check in certificate.parts if check.failures), "size_mm")
-            error = FabricationError("uncertified", "; ".join(certificate.failures), mend)
+            made = build(transform, tried)
+            if made.certificate.passed:
+                return replace(made, changes=_changes(asked, tried))
+            mend = next((check.mend for check in made.certificate.parts if check.failures), "size_mm")
+            error = FabricationError("uncertified", "; ".join(made.certificate.failures), mend)
         except FabricationError as caught:
             error = caught
-        if error.parameter not in MENDED:
-            raise error
-        following = _next(tried, error)
+        following = _next(tried, error) if error.parameter in MENDED else None
         if following is None:
-            raise error
+            raise _hopeless(error, _changes(asked, tried)) from error
         tried = following
 
 
@@ -157,6 +164,14 @@ def _next(tried: FabricationParameters, error: FabricationError) -> FabricationP
         return None
     wished = error.value if error.parameter == "size_mm" and error.value > tried.size_mm else LARGER * tried.size_mm
     return replace(tried, size_mm=float(min(greatest, math.ceil(wished))))
+
+
+def _hopeless(error: FabricationError, changes: tuple[str, ...]) -> FabricationError:
+    """The error of the last try with what was tried before it."""
+    if not changes:
+        return error
+    said = f"{error} (tried with {', '.join(changes)})"
+    return FabricationError(error.reason, said, error.parameter, error.value)
 
 
 def _changes(asked: FabricationParameters, made: FabricationParameters) -> tuple[str, ...]:

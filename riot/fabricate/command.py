@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from riot.fabricate.certificate import Fixed, certify, fix
-from riot.fabricate.design import design
+from riot.fabricate.certificate import build, fix
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.files import check_folder, write_puzzle
 from riot.fabricate.model import Design
 from riot.fabricate.parameters import ALLOWED, FabricationParameters
-from riot.fabricate.solid import make_parts
 from riot.transform import Transform
 
 if TYPE_CHECKING:
@@ -76,12 +74,7 @@ def print_puzzle(
     cannot be written; then nothing is written.
     """
     check_folder(folder)
-    if mend:
-        made = fix(transform, parameters)
-    else:
-        drawn = design(transform, parameters)
-        parts = make_parts(drawn)
-        made = Fixed(drawn, parts, certify(drawn, parts), ())
+    made = (fix if mend else build)(transform, parameters)
     certificate = made.certificate
     Console().print(certificate.table())
     for line in (*certificate.words(), *(f"changed: {words}" for words in made.changes)):

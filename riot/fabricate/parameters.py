@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from riot.fabricate.errors import FabricationError
 
@@ -72,13 +72,11 @@ class FabricationParameters:
     """Of the printer's bed."""
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value, (least, greatest) = getattr(self, field.name), ALLOWED[field.name]
+        for name, (least, greatest) in ALLOWED.items():
+            value = getattr(self, name)
             if not (isinstance(value, int | float) and math.isfinite(value) and least <= value <= greatest):
                 raise FabricationError(
-                    "out-of-range",
-                    f"{field.name}: {value!r} is out of the allowed range, {least:g} to {greatest:g} mm",
-                    field.name,
+                    "out-of-range", f"{name}: {value!r} is out of the allowed range, {least:g} to {greatest:g} mm", name
                 )
 
     @property

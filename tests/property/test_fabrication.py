@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot.fabricate import Design, FabricationError, FabricationParameters, PieceDesign, design
+from riot.fabricate import certificate as certificate_module
 from riot.fabricate.certificate import certify, fix
 from riot.fabricate.checks import placed_parts
 from riot.fabricate.course import STEP, stretches
@@ -270,6 +271,19 @@ def test_fixing_says_what_it_changed_and_stays_within_the_ranges() -> None:
     untouched = fix(transform_of(3, 1))
     assert untouched.changes == ()
     assert untouched.design.parameters == FabricationParameters()
+
+
+def test_what_cannot_be_fixed_says_what_was_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(transform: Transform, parameters: FabricationParameters) -> Design:
+        raise FabricationError("hinges-meet", f"too small at {parameters.size_mm:g} mm", "size_mm")
+
+    monkeypatch.setattr(certificate_module, "design", never)
+    tried = r"too small at 1000 mm \(tried with size_mm: 1000 instead of 500, pin_mm: 1.75 instead of 3\)"
+    with pytest.raises(FabricationError, match=tried) as caught:
+        fix(transform_of(3, 1), FabricationParameters(size_mm=500.0))
+    assert (caught.value.reason, caught.value.parameter) == ("hinges-meet", "size_mm")
+    with pytest.raises(FabricationError, match=r"make it 8.2 mm$"):  # what no change mends is not tried
+        fix(lifting(transform_of(6, 2)), FabricationParameters(size_mm=60.0, thickness_mm=6.0, pin_mm=8.0))
 
 
 def test_an_inexact_transform_is_refused() -> None:

@@ -1,0 +1,183 @@
+"""Puzzles of transforms: designed, certified, written, and read back by other programs; a row a puzzle.
+
+    python benchmarks/fabrication.py                         Dudeney's triangle and six exact pairs
+    python benchmarks/fabrication.py RUN/transforms --top 20  the first .riot files of a folder, by name
+    python benchmarks/fabrication.py RUN/transforms --fix     the same, mended where the size that is asked for fails
+
+Read back are the solids of every STL and 3MF file (trimesh) and the areas of the laser's outlines in SVG and DXF (a
+plain parser, ezdxf). ``file error`` is the greatest relative difference of a volume or area from the design's; exit
+code 1 if one is above `AGREED` or a solid is not closed. A puzzle that cannot be made as asked is a row with the reason
+and no error. Seconds are CPU time of one core for design, solids and certificate; files are written besides.
+"""
+
+from __future__ import annotations
+
+import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+
+# ruff: isort: split
+import argparse
+import json
+import re
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from xml.etree import ElementTree
+
+import ezdxf
+import numpy as np
+import shapely
+import trimesh
+from rich.console import Console
+from rich.table import Table
+
+from riot.fabricate import FabricationError, FabricationParameters, Fixed, build, fix
+from riot.fabricate.files import write_puzzle
+from riot.fabricate.flat import parts_of, write_flat_files
+from riot.groundtruth import dudeney, exact_pair, exact_transform
+from riot.kernels.warm import warm_all
+from riot.transform import Transform
+
+AGREED = 1e-6
+"""Greatest relative difference of what is read back."""
+
+EXACT = ((3, 1), (4, 2), (4, 3), (5, 5), (6, 1), (6, 2))
+"""Pieces and seeds of the exact pairs."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """One puzzle; lengths in mm, volumes in cm³ (all pieces) and mm³ (in common), NaN where there is none.
+
+    ``gap`` is the least found among samples of the motion, ``proven`` what is proven at every moment. ``solids`` is
+    the greatest number of connected components of one part.
+    """
+
+    name: str
+    status: str
+    pieces: int
+    size: float = float("nan")
+    solids: int = 0
+    volume: float = float("nan")
+    wall: float = float("nan")
+    gap: float = float("nan")
+    proven: float = float("nan")
+    overlap: float = float("nan")
+    telescopes: int = 0
+    seconds: float = float("nan")
+    file_error: float = float("nan")
+    said: str = ""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run, print the table, write JSON if asked; 1 if a file does not hold what was designed."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, nargs="?", help="a folder of .riot files")
+    parser.add_argument("--top", type=int, default=20, help="so many of them (default 20)")
+    parser.add_argument("--size", type=float, default=FabricationParameters().size_mm, help="long side, mm")
+    parser.add_argument("--fix", action="store_true", help="mend what fails, as riot print --fix does")
+    parser.add_argument("--json", type=Path, help="write the figures to this file too")
+    chosen = parser.parse_args(arguments)
+    paths = [] if chosen.folder is None else sorted(chosen.folder.glob("*.riot"))[: chosen.top]
+    if chosen.folder is not None and not paths:
+        parser.error(f"no .riot files in {chosen.folder}")
+    warm_all(lambda text: print(text, file=sys.stderr))
+    given = [(path.stem, Transform.load(path)) for path in paths]
+    if not given:
+        given = [(f"exact pair {n}, {seed}", exact_transform(exact_pair(n, seed))) for n, seed in EXACT]
+    given.insert(0, ("Dudeney", exact_transform(dudeney())))
+    parameters = FabricationParameters(size_mm=chosen.size)
+    rows = [measured(name, transform, parameters, mend=chosen.fix) for name, transform in given]
+    show(rows)
+    if chosen.json:
+        chosen.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n", encoding="utf-8")
+    wrong = [row.name for row in rows if row.file_error > AGREED]
+    if wrong:
+        print(f"files do not hold what was designed: {', '.join(wrong)}", file=sys.stderr)
+    return 1 if wrong else 0
+
+
+def measured(name: str, transform: Transform, parameters: FabricationParameters, *, mend: bool) -> Figures:
+    """Figures of one transform's puzzle."""
+    start = time.process_time()
+    try:
+        made = (fix if mend else build)(transform, parameters)
+    except FabricationError as error:
+        spent = time.process_time() - start
+        return Figures(name, error.reason, len(transform), parameters.size_mm, seconds=spent, said=str(error))
+    spent, certificate = time.process_time() - start, made.certificate
+    return Figures(
+        name,
+        "certified" if certificate.passed else "failed",
+        len(transform),
+        made.design.parameters.size_mm,
+        max(check.components for check in certificate.parts),
+        sum(check.volume for check in certificate.parts if check.name.startswith("piece")) / 1000.0,
+        certificate.wall,
+        certificate.motion.gap,
+        certificate.motion.floor if certificate.motion.proven else float("nan"),
+        certificate.motion.overlap,
+        len(made.design.motion.lifted),
+        spent,
+        file_error(made) if certificate.passed else float("nan"),
+        "; ".join(certificate.failures or made.changes),
+    )
+
+
+def file_error(made: Fixed) -> float:
+    """The greatest relative difference of a volume or area read back; infinite if a solid is not closed."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "puzzle"
+        write_puzzle(
+            made.design, made.parts, made.certificate, folder, [lambda where: write_flat_files(made.design, where)]
+        )
+        volumes = {part.name: part.volume for part in made.parts}
+        meshes = [(name, trimesh.load_mesh(folder / f"{name}.stl")) for name in volumes]
+        for plate in sorted(folder.glob("*.3mf")):
+            meshes += trimesh.load_scene(plate).geometry.items()
+        solids = [abs(mesh.volume / volumes[name] - 1.0) if mesh.is_watertight else np.inf for name, mesh in meshes]
+        outlines = [part.region.area for part in parts_of(made.design, "outlines")]
+        flat = [
+            abs(found / wanted - 1.0)
+            for areas in (_svg_areas(folder / "laser-outlines.svg"), _dxf_areas(folder / "laser-outlines.dxf"))
+            for found, wanted in zip(areas, outlines, strict=True)
+        ]
+        return float(max(solids + flat))
+
+
+def _svg_areas(path: Path) -> list[float]:
+    """Areas of the closed paths, mm²."""
+    paths = ElementTree.parse(path).getroot().iter("{http://www.w3.org/2000/svg}path")
+    rings = (np.array(re.findall(r"-?[\d.]+", each.attrib["d"]), dtype=np.float64).reshape(-1, 2) for each in paths)
+    return [float(shapely.Polygon(ring).area) for ring in rings]
+
+
+def _dxf_areas(path: Path) -> list[float]:
+    """Areas of the closed polylines, mm²."""
+    drawn = ezdxf.readfile(path).modelspace()  # type: ignore[attr-defined]
+    return [float(shapely.Polygon(np.array(each.get_points("xy"))).area) for each in drawn]
+
+
+def show(rows: Sequence[Figures]) -> None:
+    """Print a row a puzzle, and how many are certified."""
+    table = Table(title="Puzzles: mm, cm³ in all pieces, mm³ in common", title_justify="left")
+    numeric = [field.name for field in fields(Figures) if field.name not in ("name", "status", "said")]
+    for heading in ("name", "status", *numeric):
+        table.add_column(heading.replace("_", " "), justify="right" if heading in numeric else "left")
+    for row in rows:
+        cells = [getattr(row, name) for name in numeric]
+        table.add_row(row.name, row.status, *("" if cell != cell else f"{cell:.3g}" for cell in cells))
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    console.print(table)
+    for row in rows:
+        if row.said:
+            console.print(f"{row.name}: {row.said}", highlight=False, markup=False, soft_wrap=True)
+    certified = sum(row.status == "certified" for row in rows)
+    mean = float(np.mean([row.seconds for row in rows]))
+    console.print(f"{certified} of {len(rows)} certified; mean {mean:.2f} s", highlight=False)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
