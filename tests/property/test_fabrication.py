@@ -273,6 +273,12 @@ def test_fixing_says_what_it_changed_and_stays_within_the_ranges() -> None:
     assert untouched.design.parameters == FabricationParameters()
 
 
+def test_what_no_change_mends_is_told_as_it_is() -> None:
+    with pytest.raises(FabricationError, match=r"make it 8.2 mm$") as caught:
+        fix(lifting(transform_of(6, 2)), FabricationParameters(size_mm=60.0, thickness_mm=6.0, pin_mm=8.0))
+    assert caught.value.parameter == "thickness_mm"
+
+
 def test_what_cannot_be_fixed_says_what_was_tried(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(transform: Transform, parameters: FabricationParameters) -> Design:
         raise FabricationError("hinges-meet", f"too small at {parameters.size_mm:g} mm", "size_mm")
@@ -282,8 +288,6 @@ def test_what_cannot_be_fixed_says_what_was_tried(monkeypatch: pytest.MonkeyPatc
     with pytest.raises(FabricationError, match=tried) as caught:
         fix(transform_of(3, 1), FabricationParameters(size_mm=500.0))
     assert (caught.value.reason, caught.value.parameter) == ("hinges-meet", "size_mm")
-    with pytest.raises(FabricationError, match=r"make it 8.2 mm$"):  # what no change mends is not tried
-        fix(lifting(transform_of(6, 2)), FabricationParameters(size_mm=60.0, thickness_mm=6.0, pin_mm=8.0))
 
 
 def test_an_inexact_transform_is_refused() -> None:
