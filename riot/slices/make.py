@@ -17,7 +17,7 @@ from riot.errors import RiotError, SilhouetteError
 from riot.fabricate.certificate import FabricationCertificate, Fixed, certify, fix
 from riot.fabricate.design import design
 from riot.fabricate.errors import FabricationError
-from riot.fabricate.parameters import FabricationParameters
+from riot.fabricate.parameters import ALLOWED, FabricationParameters
 from riot.fabricate.solid import make_parts
 from riot.parameters import ConstructParameters, ShapeParameters
 from riot.polyline import extent
@@ -173,6 +173,15 @@ def make_puzzle(each: Slice, planned: Planned, parameters: FabricationParameters
     """
     transform = construct_plans(planned.plans, planned.unplanned, ConstructParameters()).planned()
     size = mm_per_unit(transform.p) * max(extent(transform.outline_p()), extent(transform.outline_q()))
+    least, greatest = ALLOWED["size_mm"]
+    if not least <= size <= greatest:
+        raise FabricationError(
+            "out-of-range",
+            f"it is {size:.1f} mm long, and {least:g} to {greatest:g} mm can be made: make the object "
+            f"{'larger' if size < least else 'smaller'} (thickness, count, size)",
+            "size_mm",
+            least if size < least else greatest,
+        )
     fixed = _fixed(transform, replace(parameters, size_mm=size), mend)
     return Puzzle(planned.candidate.shape.name, planned.candidate.qcrs, transform, fixed)
 

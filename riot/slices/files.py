@@ -1,0 +1,146 @@
+"""The files of a stack: a folder a slice, pictures and a list of the whole; the same bytes every time. Ours."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from riot.fabricate.files import check_folder, write_puzzle
+from riot.fabricate.flat import write_flat_files
+from riot.slices.cut import Stack
+from riot.slices.errors import ModelError
+from riot.slices.make import Outcome, Puzzle
+from riot.slices.picture import draw_overview, draw_slices
+
+FORMAT, VERSION = "riot-set", 1
+
+DIGITS = 6
+"""Decimals of lengths (mm), areas (mm²) and ratios in ``set.json``."""
+
+
+def write_set(
+    stack: Stack,
+    outcomes: Sequence[Outcome],
+    folder: Path,
+    more: Callable[[Puzzle], Sequence[Callable[[Path], None]]] | None = None,
+) -> list[Path]:
+    """Write all files of a stack into a new folder, or none; returns what was written.
+
+    ``slice-K-COUNTERPART/`` a slice that is made, as `riot.fabricate.files.write_puzzle` with the ``.riot`` file and
+    outlines for a laser, ``overview.png``, ``slices.png``, ``slices.svg``, and ``set.json``. ``more`` gives functions
+    that write further files of a puzzle into the folder that they are given.
+
+    Raises ModelError ``nothing-made`` if no slice is, OSError if the folder cannot be written, is a file, or holds
+    something already.
+    """
+    if all(each.puzzle is None for each in outcomes):
+        said = "; ".join(f"slice {each.slice.number}: {each.reason}" for each in outcomes)
+        raise ModelError("nothing-made", f"{stack.name}: no slice could be made: {said}")
+    with new_folder(folder) as temporary:
+        for each in outcomes:
+            if each.puzzle is not None:
+                _write_puzzle(each.puzzle, temporary / folder_name(each), more)
+        draw_overview(stack, outcomes, temporary / "overview.png")
+        for suffix in (".png", ".svg"):
+            draw_slices(outcomes, temporary / f"slices{suffix}")
+        document = json.dumps(set_document(stack, outcomes), indent=1, ensure_ascii=False)
+        (temporary / "set.json").write_text(f"{document}\n", encoding="utf-8", newline="\n")
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+@contextmanager
+def new_folder(folder: Path) -> Iterator[Path]:
+    """A temporary folder beside ``folder`` that takes its name when all is done, or is deleted with what is in it.
+
+    Raises as `riot.fabricate.files.check_folder`.
+    """
+    check_folder(folder)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    try:
+        temporary.chmod(0o755)
+        yield temporary
+        if folder.exists():
+            folder.rmdir()
+        temporary.rename(folder)
+    except BaseException:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise
+
+
+def folder_name(outcome: Outcome) -> str:
+    """Of a slice that is made: ``slice-3-heart``; what no file name should hold is replaced."""
+    assert outcome.puzzle is not None
+    name = re.sub(r"[^\w.-]+", "_", outcome.puzzle.counterpart)
+    return f"slice-{outcome.slice.number}-{name}"
+
+
+def _write_puzzle(
+    puzzle: Puzzle, folder: Path, more: Callable[[Puzzle], Sequence[Callable[[Path], None]]] | None
+) -> None:
+    made = puzzle.fixed
+
+    def transform(where: Path) -> None:
+        puzzle.transform.save(where / "puzzle.riot")
+
+    def laser(where: Path) -> None:
+        write_flat_files(made.design, where, dxf=False)
+
+    write_puzzle(made.design, made.parts, made.certificate, folder, [transform, laser, *(more(puzzle) if more else ())])
+
+
+def set_document(stack: Stack, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """What ``set.json`` holds: how the object was cut, and of every slice its areas, counterpart, numbers or reason."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "model": stack.name,
+        "along": stack.along,
+        "mm_per_file_unit": stack.scale,
+        "thickness_mm": stack.thickness,
+        "height_mm": round(stack.height, DIGITS),
+        "stack_iou": round(stack.iou, DIGITS),
+        "made": sum(each.puzzle is not None for each in outcomes),
+        "slices": [_entry(each) for each in outcomes],
+    }
+
+
+def _entry(each: Outcome) -> dict[str, Any]:
+    cut, puzzle = each.slice, each.puzzle
+    entry: dict[str, Any] = {
+        "slice": cut.number,
+        "low_mm": round(cut.low, DIGITS),
+        "high_mm": round(cut.high, DIGITS),
+        "area_mm2": round(cut.area, DIGITS),
+        "filled_mm2": round(cut.filled, DIGITS),
+        "left_out_mm2": round(cut.lost, DIGITS),
+        "tried_in_vain": [{"counterpart": tried.counterpart, "reason": tried.reason} for tried in each.attempts],
+    }
+    if puzzle is None:
+        return {**entry, "reason": each.reason}
+    design, transform = puzzle.fixed.design, puzzle.transform
+    iou_p, iou_q = transform.overlap_ratios
+    return {
+        **entry,
+        "folder": folder_name(each),
+        "counterpart": puzzle.counterpart,
+        "qcrs": round(puzzle.qcrs, DIGITS),
+        "iou_slice": round(iou_p, DIGITS),
+        "iou_counterpart": round(iou_q, DIGITS),
+        "pieces": len(transform),
+        "motion": design.motion.words,
+        "size_mm": round(design.parameters.size_mm, DIGITS),
+        "place_mm": [round(float(value), DIGITS) for value in transform.p.to_source[:, 2]],
+        "pins": sum(pin.count for pin in design.pins),
+        "sleeves": design.sleeves,
+        "certified": puzzle.certificate.passed,
+        "narrowest_mm": round(puzzle.certificate.wall, 3),
+        "changed": list(puzzle.fixed.changes),
+        "warnings": list(design.warnings),
+    }

@@ -1,0 +1,156 @@
+"""Pictures of a stack: the object, its slices stacked, the same turned; every slice before and after, flat. Ours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import manifold3d
+import numpy as np
+import shapely
+from matplotlib.colors import to_rgb
+
+from riot.draw.figure import write_scene
+from riot.draw.palette import LIGHT, PIECES, hue
+from riot.draw.panels import deformation_marks, sketch
+from riot.draw.scene import Label, Mark, Scene, extent, moved
+from riot.draw.scene import Path as Line
+from riot.fabricate.paper import MM_PER_INCH, Page, new_page, png_bytes
+from riot.shape import FloatArray
+from riot.slices.cut import Slice, Stack
+from riot.slices.make import Outcome, Puzzle
+from riot.slices.render import Body, View, render
+from riot.transform import Transform
+
+ACROSS = 560
+"""The longest of the three views is so many pixels wide or high."""
+
+TURNED_APART = 1.0
+"""Turned slices stand so many thicknesses apart."""
+
+PIXEL_MM = 0.15
+"""Of the page; letters are as large beside a small object as beside a large one."""
+
+_MARGIN, _CAPTION = 40, 60
+_OBJECT = "#b9bec6"
+_GAP, _LINE = 0.25, 13.0
+_PENS_ACROSS = 1100.0
+_NAME_LENGTH = 28
+
+
+def draw_overview(stack: Stack, outcomes: Sequence[Outcome], path: Path) -> None:
+    """Draw the object, the stack of its slices, and the same slices turned inside out, as PNG; the same bytes always.
+
+    A slice that could not be made is grey, and is missing from the turned ones.
+    """
+    turned_lift = (1.0 + TURNED_APART) * stack.thickness
+    slices, turned = [], []
+    for each in outcomes:
+        if each.puzzle is None:
+            slices.append(_prism(each.slice))
+            continue
+        slices += _pieces(each.puzzle, 0.0, each.slice.low)
+        turned += _pieces(each.puzzle, 1.0, (each.slice.number - 1) * turned_lift)
+    groups = [
+        ([_body(stack.solid, _OBJECT)], stack.name),
+        (slices, f"{len(stack.slices)} slices of {stack.thickness:g} mm, along {stack.along}"),
+        (turned, "turned inside out"),
+    ]
+    longest = max(
+        stack.height, *(float(np.ptp(np.concatenate([b.points for b in g]), axis=0).max()) for g, _ in groups if g)
+    )
+    views = [(render(bodies, longest / ACROSS), words) for bodies, words in groups if bodies]
+    path.write_bytes(png_bytes(_page(views), MM_PER_INCH / PIXEL_MM))
+
+
+def draw_slices(outcomes: Sequence[Outcome], path: Path) -> None:
+    """Draw every slice that was made, a row each, lowest last: the outline and what it becomes, the pieces as the slice
+    and as its counterpart, and the counterpart; the suffix (svg, png, pdf) chooses the format."""
+    write_scene(path, lambda: slices_scene(outcomes))
+
+
+def slices_scene(outcomes: Sequence[Outcome]) -> Scene:
+    """The picture of `draw_slices` before it has a format; shapes have unit area."""
+    rows = [(each.slice, each.puzzle) for each in reversed(outcomes) if each.puzzle is not None]
+    panels = [_panels(puzzle.transform) for _, puzzle in rows]
+    boxes = [[extent(panel, ()) for panel in row] for row in panels]
+    widths = [max(row[k][2] - row[k][0] for row in boxes) + _GAP for k in range(4)]
+    width = sum(widths) + _GAP
+    pen = width / _PENS_ACROSS
+    marks: list[Mark] = []
+    top = -_GAP
+    for (slice_, puzzle), row, row_boxes in zip(rows, panels, boxes, strict=True):
+        tall = max(y1 - y0 for _, y0, _, y1 in row_boxes)
+        left = _GAP
+        for k, (panel, (x0, y0, x1, y1), words) in enumerate(zip(row, row_boxes, _words(slice_, puzzle), strict=True)):
+            middle = left + 0.5 * (widths[k] - _GAP)
+            marks += moved(panel, middle - 0.5 * (x0 + x1), top - 0.5 * tall - 0.5 * (y0 + y1))
+            marks.append(Label(middle, top - tall - 1.6 * _LINE * pen, words, "note"))
+            left += widths[k]
+        top -= tall + 2.0 * _LINE * pen + _GAP
+    title = f"{len(rows)} slices, their pieces, and what they turn into"
+    return Scene(title, (0.0, top, width, 0.0), pen, (), tuple(marks))
+
+
+def _words(slice_: Slice, puzzle: Puzzle) -> tuple[str, str, str, str]:
+    iou_p, iou_q = puzzle.transform.overlap_ratios
+    name = puzzle.counterpart[:_NAME_LENGTH]
+    return f"slice {slice_.number}", f"IoU {iou_p:.3f}", f"IoU {iou_q:.3f}", name
+
+
+def _panels(transform: Transform) -> list[list[Mark]]:
+    drawn = sketch(transform)
+    return [
+        deformation_marks(drawn, "p"),
+        _dissection(drawn, 0.0),
+        _dissection(drawn, 1.0),
+        deformation_marks(drawn, "q"),
+    ]
+
+
+def _dissection(drawn: Transform, t: float) -> list[Mark]:
+    parts = drawn.parts(drawn.pose(t))
+    return [Line(points, f"piece{hue(i, len(parts))}") for i, points in enumerate(parts)]
+
+
+def _pieces(puzzle: Puzzle, t: float, lift: float) -> list[Body]:
+    """The solids of a puzzle closed as the slice (t = 0), in its place, or as the counterpart (1), about the z-axis."""
+    made = puzzle.fixed
+    transform, design = puzzle.transform, made.design
+    pose = transform.pose(t)
+    shift = transform.p.to_source[:, 2] if t == 0.0 else np.zeros(2)
+    bodies = []
+    pieces = [part for part in made.parts if part.kind == "piece"]
+    for i, part in enumerate(pieces):
+        points, triangles = part.mesh()
+        flat = design.place(pose, i, points[:, :2]) + shift
+        colour = to_rgb(PIECES[hue(i, len(pieces))])
+        bodies.append(Body(np.column_stack([flat, points[:, 2] + lift]), triangles, colour))
+    return bodies
+
+
+def _prism(each: Slice) -> Body:
+    ring: FloatArray = shapely.get_coordinates(each.outline.exterior)[:-1]
+    solid = manifold3d.Manifold.extrude(manifold3d.CrossSection([ring]), each.high - each.low)
+    return _body(solid.translate((0.0, 0.0, each.low)), LIGHT["shade"])
+
+
+def _body(solid: manifold3d.Manifold, colour: str) -> Body:
+    mesh = solid.to_mesh64()
+    points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
+    return Body(points, np.array(mesh.tri_verts, dtype=np.int64), to_rgb(colour))
+
+
+def _page(views: Sequence[tuple[View, str]]) -> Page:
+    """The views side by side on one ground, each with a line below."""
+    sizes = [view.pixels.shape[:2] for view, _ in views]
+    width = _MARGIN + sum(columns + _MARGIN for _, columns in sizes)
+    height = max(rows for rows, _ in sizes) + _MARGIN + _CAPTION
+    page = new_page(width * PIXEL_MM, height * PIXEL_MM)
+    left = _MARGIN
+    for (view, words), (rows, columns) in zip(views, sizes, strict=True):
+        box = (left * PIXEL_MM, _CAPTION * PIXEL_MM, (left + columns) * PIXEL_MM, (_CAPTION + rows) * PIXEL_MM)
+        page.image(view.pixels, box, shapely.box(*box))
+        page.text(0.5 * (box[0] + box[2]), 0.4 * _CAPTION * PIXEL_MM, words, anchor="center")
+        left += columns + _MARGIN
+    return page
