@@ -1,4 +1,5 @@
-"""The command line: `riot make A B -o DIR`, `riot trunks A B`, `riot show FILE.riot`, `riot print FILE.riot -o DIR`."""
+"""The command line: `riot make A B -o DIR`, `riot trunks A B`, `riot show FILE.riot`, `riot print FILE.riot -o DIR`,
+`riot slices MODEL --into A,B -o DIR`."""
 
 from __future__ import annotations
 
@@ -29,6 +30,7 @@ from riot.parameters import ConstructParameters
 from riot.quick import qcrs
 from riot.shape import Shape
 from riot.silhouette import read
+from riot.slices.command import add_slices
 from riot.transform import Transform
 
 if TYPE_CHECKING:
@@ -212,7 +214,7 @@ def _parser(more: Sequence[Callable[[Commands], None]]) -> argparse.ArgumentPars
     show_parser = commands.add_parser("show", help="print the numbers of a .riot file")
     show_parser.add_argument("file", type=Path, metavar="FILE.riot")
     show_parser.set_defaults(run=_show)
-    for add in (add_print, *more):
+    for add in (add_print, add_slices, *more):
         add(commands)
     return parser
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from riot.construct.choose import drop_without_contact, find_plans
 from riot.construct.plan import Plan
@@ -93,6 +92,9 @@ def assign(costs: FloatArray, *, distinct: bool) -> IntArray:
         some = allowed.any(axis=1)
         found[some] = costs[some].argmin(axis=1)
         return found
+    # Here, not above: it takes long to import, and every command of riot would wait for it.
+    from scipy.optimize import linear_sum_assignment
+
     # One forbidden column costs more than all allowed ones together, so that as few as can be are taken.
     span = float(costs[allowed].max() - costs[allowed].min()) + 1.0
     forbidden = float(costs[allowed].max()) + span * (rows + 1)

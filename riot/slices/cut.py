@@ -129,7 +129,7 @@ class Slice:
     @property
     def filled(self) -> float:
         """Area of the holes that are filled, mm², and of what stands in them."""
-        return self.area - float(shapely.intersection(self.section, self.outline).area)
+        return max(0.0, self.area - float(shapely.intersection(self.section, self.outline).area))
 
     @property
     def lost(self) -> float:

@@ -18,6 +18,7 @@ from riot.fabricate.certificate import FabricationCertificate, Fixed, certify, f
 from riot.fabricate.design import design
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.parameters import ALLOWED, FabricationParameters
+from riot.fabricate.plates import lay_out
 from riot.fabricate.solid import make_parts
 from riot.parameters import ConstructParameters, ShapeParameters
 from riot.polyline import extent
@@ -183,6 +184,7 @@ def make_puzzle(each: Slice, planned: Planned, parameters: FabricationParameters
             least if size < least else greatest,
         )
     fixed = _fixed(transform, replace(parameters, size_mm=size), mend)
+    lay_out(fixed.parts, fixed.design.parameters)  # it raises if a part is larger than the bed
     return Puzzle(planned.candidate.shape.name, planned.candidate.qcrs, transform, fixed)
 
 
