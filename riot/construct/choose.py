@@ -35,12 +35,13 @@ def construct(
     a, b : Shape
     trunks : two (n, 2) arrays, optional
         Trunk vertices of a and of b as coordinates in the shapes' frames (`Shape.from_source` converts), on or near the
-        outlines, in corresponding order: round a one way, round b the other. Given them, no search takes place. Without
-        them the trunk pairs of highest CRS are tried, and the transform of least deformation is returned.
+        outlines, in corresponding order: round a one way, round b the other. Given them, no search takes place; they
+        are made conjugate and refined. Without them the trunk pairs of highest CRS are tried, and the transform of
+        least deformation is returned.
     parameters : ConstructParameters, optional
         With ``method="laplacian"`` the transform is the paper's, which overlaps and leaves gaps: its certificate fails.
     refinement : RefineParameters, optional
-        Of the trunks that are found; given ones are made conjugate and left there.
+        Of the trunks, found or given; with ``sketched=0, refined=0`` they are only made conjugate.
     pins : Pins, optional
         Stretches of either outline to keep, or drawn anew (exact method).
 
@@ -56,7 +57,10 @@ def construct(
         if len(trunks) != 2:
             raise TrunkError(f"trunks holds {len(trunks)} items: give two, the vertices on a and those on b")
         pair = given_pair(a, b, *trunks, parameters.snap, refinement.reach)
-        return construct_plans(*plan_pairs([pair], refinement), parameters, pins)
+        plans, unplanned = plan_pairs([pair], refinement)
+        # Refined trunks may lose contact that the given ones have.
+        plans = sorted({*refine_best(plans, refinement), *plans}, key=lambda plan: -plan.bound)
+        return construct_plans(plans, unplanned, parameters, pins)
     plans, unplanned = find_plans(a, b, refinement)
     return construct_plans(plans, unplanned, parameters, pins)
 

@@ -37,9 +37,13 @@ SETTLED = 1e-5
 
 PROJECTIONS = 50
 
+WORTHWHILE = 1e-4
+"""A plan stays where it is unless its bound rises by more: the scanlines of the bound see no finer, and trunks that are
+exact already are not to move."""
+
 
 def refine(plan: Plan, steps: int, parameters: RefineParameters) -> Plan:
-    """The plan with its trunks moved in at most so many steps; the plan itself if that does not raise its bound.
+    """The plan with its trunks moved in at most so many steps; the plan itself if that hardly raises its bound.
 
     No corner moves farther than ``parameters.slide`` along either axis.
     """
@@ -47,7 +51,7 @@ def refine(plan: Plan, steps: int, parameters: RefineParameters) -> Plan:
     for sharpness in SHARPNESS:
         best = _Climb(plan, parameters, sharpness).run(best, steps // len(SHARPNESS))
     refined = plan_on(plan.pair, best, parameters.bound_lines)
-    return refined if refined.bound > plan.bound else plan
+    return refined if refined.bound > plan.bound + WORTHWHILE else plan
 
 
 class _Climb:
