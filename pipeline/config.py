@@ -16,9 +16,11 @@ from pipeline.datasets import DatasetConfig
 from pipeline.errors import ConfigError
 from riot.motion.parameters import MotionParameters
 from riot.parameters import (
+    QCRS_VARIANTS,
     ConstructParameters,
     CrsParameters,
     QcrsParameters,
+    QcrsVariant,
     RefineParameters,
     ReversibilityParameters,
     ShapeParameters,
@@ -29,8 +31,15 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class QcrsConfig(QcrsParameters):
-    """The quick scores' sigmas, which are all that a score depends on, and which pairs are scored (ours)."""
+class QcrsConfig:
+    """The quick scores' trunks and sigmas, which are all that a score depends on, and which pairs are scored (ours)."""
+
+    variant: QcrsVariant = "paper"
+    """``paper``: quick trunks. ``tuned``: the full trunks of CRS, to order pairs more as CRS does."""
+    sigma_e: float | None = None
+    """Of the edge term, in units of ``D_c``; null = the variant's, as of the others."""
+    sigma_angle: float | None = None
+    sigma_area: float | None = None
 
     mode: Literal["all", "topk"] = "all"
     """``all``: every pair. ``topk``: every shape's best partners, found through an index."""
@@ -40,7 +49,9 @@ class QcrsConfig(QcrsParameters):
     @property
     def sigmas(self) -> QcrsParameters:
         """The library's parameters alone: what enters the keys of scores."""
-        return QcrsParameters(**{f.name: getattr(self, f.name) for f in dataclasses.fields(QcrsParameters)})
+        usual = QCRS_VARIANTS[self.variant]
+        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(usual)}
+        return dataclasses.replace(usual, **{name: value for name, value in given.items() if value is not None})
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from riot.quick import BlockScores, TrunkStack, stack
 from riot.reversibility import reversibility
 from riot.shape import IntArray
 from riot.silhouette import read
-from riot.trunks import Trunks, quick_trunks
+from riot.trunks import Trunks, compared_trunks
 
 SHAPES = "shapes.parquet"
 AGAIN = "the command that made the run makes it again, and computes only what is missing"
@@ -131,7 +131,9 @@ def read_query(mined: Mined, path: Path) -> Query:
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     config = mined.config
     shape = read(path, config.shape)
-    trunks = quick_trunks(shape, config.trunks, reversibility(shape, config.reversibility))
+    trunks = compared_trunks(
+        shape, config.qcrs.variant, config.trunks, lambda: reversibility(shape, config.reversibility)
+    )
     return Query(path.stem, digest, trunks, stack([trunks]))
 
 
@@ -140,7 +142,7 @@ def match(mined: Mined, index: TrunkIndex, query: Query, count: int) -> Match:
     itself = mined.digests.index(query.digest) if query.digest in mined.digests else None
     place = np.flatnonzero(mined.numbers == (-2 if itself is None else itself))
     own = [int(place[0])] if len(place) else [-1]
-    found = best_partners(index, query.stacked, count, mined.config.qcrs, itself=own)
+    found = best_partners(index, query.stacked, count, mined.config.qcrs.sigmas, itself=own)
     columns = {**vars(found.scores), "j": mined.numbers[found.scores.j].astype(np.int32)}
     return Match(BlockScores(**columns), itself, found.compared)
 

@@ -54,7 +54,7 @@ class Stage:
 STAGES = (
     Stage("ingest", ("shape",), "batches of pictures", bundle=4),
     Stage("reversibility", ("reversibility",), "batches of shapes", bundle=16),
-    Stage("trunks", ("trunks", "reversibility"), "batches of shapes", bundle=8),
+    Stage("trunks", ("trunks", "reversibility", "qcrs.variant"), "batches of shapes", bundle=8),
     Stage("qcrs", ("qcrs",), "blocks of pairs", tile=8),
     Stage("shards", (), "parts of the index"),
     Stage("partners", ("qcrs", "qcrs.k"), "searches of batches in parts", tile=8),

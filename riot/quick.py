@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -16,9 +16,8 @@ from riot.kernels.pairs import Side, Sigmas, brute_block, mirrored
 from riot.kernels.search import block
 from riot.leaves import gather_leaves
 from riot.parameters import D_C, QCRS_VARIANTS, QcrsParameters, QcrsVariant, TrunkParameters
-from riot.reversibility import Reversibility
 from riot.shape import FloatArray, IntArray, Shape
-from riot.trunks import Trunks, full_trunks, quick_trunks
+from riot.trunks import Trunks, compared_trunks
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,23 +258,6 @@ def qcrs(
         trunks_a.of(int(found.trunk_i[0])),
         corresponding(trunks_b.of(int(found.trunk_j[0])), int(found.shift[0])),
     )
-
-
-def compared_trunks(
-    shape: Shape,
-    variant: QcrsVariant,
-    parameters: TrunkParameters | None = None,
-    necks: Callable[[], Reversibility] | None = None,
-) -> Trunks:
-    """The trunks of a shape that QCRS compares; ``necks``, asked for by the paper variant alone, are found if not
-    given.
-
-    ``paper``: quick trunks (§5.2). ``tuned``: full trunks (§4.1), so that both scores choose among the same trunks, by
-    the same outside angles (ours).
-    """
-    if variant == "tuned":
-        return full_trunks(shape, parameters)
-    return quick_trunks(shape, parameters, None if necks is None else necks())
 
 
 def corresponding(trunk_b: npt.NDArray[Any], shift: int) -> npt.NDArray[Any]:

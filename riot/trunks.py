@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.segments import inside_shares
-from riot.parameters import D_C, L_C, TrunkParameters
+from riot.parameters import D_C, L_C, QcrsVariant, TrunkParameters
 from riot.polyline import TIE, TOUCH, arc_length, swept_area
 from riot.reversibility import Reversibility, cut_off, reversibility
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
@@ -120,6 +120,23 @@ def full_trunks(shape: Shape, parameters: TrunkParameters | None = None) -> Trun
     admissible = admissible_edges(shape, candidates, parameters, convex)
     admissible &= _overlap(shape, candidates, congruent.length) < (parameters.max_overlap - TIE) * L_C
     return _assemble(shape, candidates, congruent.turn, admissible, len(convex), parameters)
+
+
+def compared_trunks(
+    shape: Shape,
+    variant: QcrsVariant,
+    parameters: TrunkParameters | None = None,
+    necks: Callable[[], Reversibility] | None = None,
+) -> Trunks:
+    """The trunks of a shape that QCRS compares; ``necks``, asked for by the paper variant alone, are found if not
+    given.
+
+    ``paper``: quick trunks (§5.2). ``tuned``: full trunks (§4.1), so that both scores choose among the same trunks, by
+    the same outside angles (ours).
+    """
+    if variant == "tuned":
+        return full_trunks(shape, parameters)
+    return quick_trunks(shape, parameters, None if necks is None else necks())
 
 
 def admissible_edges(

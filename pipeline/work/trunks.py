@@ -1,4 +1,4 @@
-"""Quick trunks of one batch of shapes."""
+"""The trunks of one batch of shapes that QCRS compares."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pipeline.work.items import NO_TRUNKS, ErrorRow, attempt, count_shapes, pack
 from riot.leaves import gather_leaves
 from riot.reversibility import reversibility
 from riot.shape import Shape
-from riot.trunks import Trunks, quick_trunks
+from riot.trunks import Trunks, compared_trunks
 from riot.vertices import sparse_points
 
 
@@ -21,7 +21,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Ar
 
     And ``leaves`` (l, 16) int32 from ``leaf_offsets`` (k + 1,) int64, every shape's trunks gathered for the search.
     """
-    (batch,), (settings, necks) = inputs, parameters
+    (batch,), (settings, necks, variant) = inputs, parameters
     errors: list[ErrorRow] = []
     found: list[Trunks | None] = []
     sparse = np.zeros(count_shapes(batch), dtype=np.int64)
@@ -32,7 +32,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Ar
             continue
 
         def trunks(shape: Shape = shape) -> Trunks:
-            return quick_trunks(shape, settings, reversibility(shape, necks))
+            return compared_trunks(shape, variant, settings, lambda: reversibility(shape, necks))
 
         found.append(attempt(index, trunks, errors))
         points = attempt(index, lambda shape=shape: sparse_points(shape, settings), [])  # type: ignore[misc]

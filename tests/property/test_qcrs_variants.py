@@ -9,9 +9,9 @@ from scipy.stats import kendalltau
 
 from riot.cross import crs
 from riot.parameters import QCRS_VARIANTS, QcrsParameters
-from riot.quick import brute_force, compared_trunks, qcrs, score_block, stack
+from riot.quick import brute_force, qcrs, score_block, stack
 from riot.reversibility import Reversibility
-from riot.trunks import Trunks, full_trunks, quick_trunks
+from riot.trunks import Trunks, compared_trunks, full_trunks, quick_trunks
 
 SHAPES = [blob(seed, waves=6) for seed in range(8)]
 
