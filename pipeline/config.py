@@ -14,6 +14,7 @@ from typing import Any, Literal, TypeVar
 
 from pipeline.datasets import DatasetConfig
 from pipeline.errors import ConfigError
+from riot.fabricate.parameters import FabricationParameters
 from riot.motion.parameters import MotionParameters
 from riot.parameters import (
     QCRS_VARIANTS,
@@ -72,6 +73,30 @@ class SelectConfig:
 
 
 @dataclass(frozen=True)
+@dataclass(frozen=True)
+class FabricateConfig(FabricationParameters):
+    """Puzzles of the best transforms: sizes and clearances in mm, which of them are made, and what is written."""
+
+    top: int = 0
+    """So many of the least deformed certified transforms are made."""
+    fix: bool = False
+    """Thin the pin, enlarge the size or thicken knuckles of a puzzle that cannot be made as asked."""
+    paper: bool = False
+    """Write laser files, an assembly page and pictures too."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.top < 0:
+            raise ValueError(f"top: must be 0 or more, got {self.top}")
+
+    @property
+    def sizes(self) -> FabricationParameters:
+        """The library's parameters alone: which transforms are made is no part of a puzzle's key."""
+        return FabricationParameters(
+            **{f.name: getattr(self, f.name) for f in dataclasses.fields(FabricationParameters)}
+        )
+
+
 class ClusterConfig:
     """Where the work runs; never part of a key."""
 
@@ -108,6 +133,7 @@ class Config:
     construct: ConstructParameters = field(default_factory=ConstructParameters)
     motion: MotionParameters = field(default_factory=MotionParameters)
     select: SelectConfig = field(default_factory=SelectConfig)
+    fabricate: FabricateConfig = field(default_factory=FabricateConfig)
     cluster: ClusterConfig = field(default_factory=ClusterConfig)
     plan: bool = False
     """Show what would run, and stop."""

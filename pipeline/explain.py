@@ -19,6 +19,7 @@ from pipeline.plan import (
     make_plan,
     plan_construct,
     plan_crs,
+    plan_fabrications,
     plan_full_trunks,
     plan_motions,
     plan_paper,
@@ -40,6 +41,7 @@ KNOWN_AFTER = {
     "construct": "the shortlist",
     "paper": "construction",
     "motion": "construction",
+    "fabricate": "construction",
 }
 """When it is known what a stage has to do, of stages that depend on results."""
 
@@ -100,14 +102,23 @@ def _after_selection(plan: Plan, store: Store) -> list[StageForecast]:
     passed = certified(store, made)
     if plan.config.compare:
         found.append(_stage(store, "paper", plan_paper(plan, least_deformed(store, passed, plan.config.compare))))
-    return [*found, _stage(store, "motion", plan_motions(plan, passed))]
+    found.append(_stage(store, "motion", plan_motions(plan, passed)))
+    if plan.config.fabricate.top:
+        best = plan_motions(plan, least_deformed(store, passed, plan.config.fabricate.top))
+        found.append(_stage(store, "fabricate", plan_fabrications(plan, best)))
+    return found
 
 
 def _unknown(first: str, plan: Plan) -> list[StageForecast]:
     """Of the stages from ``first`` on, of which it is not known what they have to do."""
-    names = list(KNOWN_AFTER)
-    later = [name for name in names[names.index(first) :] if name != "paper" or plan.config.compare]
+    names, counts = list(KNOWN_AFTER), _optional(plan.config)
+    later = [name for name in names[names.index(first) :] if counts.get(name, 1)]
     return [StageForecast(name, None, 0, 0, None, ()) for name in later]
+
+
+def _optional(config: Config) -> dict[str, int]:
+    """How many transforms go to the stages that a run can do without, at most."""
+    return {"paper": config.compare, "fabricate": config.fabricate.top}
 
 
 def _stage(store: Store, name: str, items: Sequence[WorkItem]) -> StageForecast:
@@ -126,7 +137,7 @@ def show_plan(forecasts: Sequence[StageForecast], config: Config, console: Conso
     select = config.select
     pairs = select.breadth * select.top
     at_most = {"trunks_full": 2 * pairs, "crs": pairs, "refine": pairs, "shortlist": 1}
-    at_most["paper"] = min(config.compare, select.top)
+    at_most |= {name: min(most, select.top) for name, most in _optional(config).items()}
     table = Table(title="Plan: nothing was run", title_justify="left")
     table.add_column("stage")
     table.add_column("work items")

@@ -23,6 +23,7 @@ from pipeline.plan import (
     make_plan,
     plan_construct,
     plan_crs,
+    plan_fabrications,
     plan_full_trunks,
     plan_motions,
     plan_paper,
@@ -142,11 +143,16 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
     run.stage("construct", construct)
     passed = certified(run.store, [item for item in construct if item.reference in run.done])
     beside: dict[str, Sequence[WorkItem]] = {}
+    after: dict[str, Sequence[WorkItem]] = {}
     if plan.config.compare:
         beside["paper"] = plan_paper(plan, least_deformed(run.store, passed, plan.config.compare))
         run.stage("paper", beside["paper"])
     motion = plan_motions(plan, passed)
     run.stage("motion", motion)
+    if plan.config.fabricate.top:
+        best = least_deformed(run.store, passed, plan.config.fabricate.top)
+        after["fabricate"] = plan_fabrications(plan, plan_motions(plan, best))
+        run.stage("fabricate", after["fabricate"])
     return Results(
         plan=plan,
         collection=collection,
@@ -169,6 +175,7 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
             "construct": construct,
             **beside,
             "motion": motion,
+            **after,
         },
         stages=tuple(run.stages),
     )

@@ -212,14 +212,17 @@ def plan_construct(plan: Plan, refined: Sequence[WorkItem]) -> list[WorkItem]:
 
 def plan_paper(plan: Plan, best: Sequence[WorkItem]) -> list[WorkItem]:
     """The paper's method beside certified constructions, in order."""
-    of = plan.recipes["paper"]
-    return [WorkItem(of.parts([made.key]), of.parameters, (made.reference,), None, made.members) for made in best]
+    return [_after(plan.recipes["paper"], made) for made in best]
 
 
 def plan_motions(plan: Plan, certified: Sequence[WorkItem]) -> list[WorkItem]:
     """Motion of every certified construction, in order."""
-    of = plan.recipes["motion"]
-    return [WorkItem(of.parts([made.key]), of.parameters, (made.reference,), None, made.members) for made in certified]
+    return [_after(plan.recipes["motion"], made) for made in certified]
+
+
+def plan_fabrications(plan: Plan, planned: Sequence[WorkItem]) -> list[WorkItem]:
+    """Puzzles of transforms with a motion, in order."""
+    return [_after(plan.recipes["fabricate"], motion) for motion in planned]
 
 
 def _ingest(of: Recipe, items: tuple[Item, ...], batch: range) -> WorkItem:

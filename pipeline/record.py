@@ -90,6 +90,8 @@ def counts(results: Results) -> dict[str, int]:
     statuses = [artifact.document["status"] for artifact in made if artifact is not None]
     motions = [results.artifact(item) for item in results.work["motion"]]
     flat = [bool(one.document["swings_flat"]) for one in motions if one is not None and "swings_flat" in one.document]
+    printed = [results.artifact(item) for item in results.work.get("fabricate", ())]
+    puzzles = [one.document["status"] for one in printed if one is not None and "status" in one.document]
     shapes = results.shapes
     return {
         "items": len(results.plan.items) + len(results.collection.rejected),
@@ -105,6 +107,8 @@ def counts(results: Results) -> dict[str, int]:
         "rejected": statuses.count("rejected"),
         "planned": len(flat),
         "swing_flat": sum(flat),
+        "puzzles": puzzles.count("certified"),
+        "no_puzzles": len(puzzles) - puzzles.count("certified"),
         "errors": len(results.errors),
         "blocked": results.blocked,
     }

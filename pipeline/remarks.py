@@ -14,6 +14,7 @@ def remarks(counts: Mapping[str, int], policy: str) -> list[str]:
         *_selection(counts, policy),
         *_approximate(counts),
         *_motions(counts),
+        *_puzzles(counts),
         *_ignored(counts),
     ]
 
@@ -65,6 +66,14 @@ def _motions(counts: Mapping[str, int]) -> list[str]:
     if flat < planned:
         said += "; the others need telescopic hinges (column lifted_hinges of transforms.parquet)"
     return [f"{said}."]
+
+
+def _puzzles(counts: Mapping[str, int]) -> list[str]:
+    made, not_made = counts.get("puzzles", 0), counts.get("no_puzzles", 0)
+    if made + not_made == 0:
+        return []
+    said = f"{made:,} of {several(made + not_made, 'puzzle')} certified, in print/"
+    return [f"{said}; fabrications.parquet says why the others cannot be made." if not_made else f"{said}."]
 
 
 def _ignored(counts: Mapping[str, int]) -> list[str]:

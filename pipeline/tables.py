@@ -10,6 +10,7 @@ import pyarrow as pa
 
 RATIO = "1"
 AREA = "unit-area frame"
+MM, MM3 = "mm", "mm3"
 SCORE = "score in [0, 1]"
 OF_L_C = "L_c = 2*sqrt(pi)"
 ANGLE = "rad"
@@ -161,6 +162,32 @@ TRANSFORMS = _schema(
     _column("paper_hausdorff", pa.float64(), "symmetric Hausdorff distance of its worse shape", OF_L_C),
 )
 
+FABRICATIONS = _schema(
+    "Puzzles of the best transforms (paper §4.4), made as `fabricate` asks; none with fabricate.top=0.",
+    _column("rank", pa.int32(), "rank in `transforms`", "rank"),
+    *_PAIR,
+    *_NAMES,
+    _column("status", pa.string(), "certified, failed (a check of its certificate), or refused (cannot be made)"),
+    _column("reason", pa.string(), "why it failed or was refused, one word"),
+    _column("message", pa.string(), "why, in words, and which parameter would mend it"),
+    _column("folder", pa.string(), "its files, relative to the run's folder; empty unless certified"),
+    _column("size", pa.float64(), "long side of the larger shape", MM),
+    _column("thickness", pa.float64(), "of the pieces, in whole layers of the printer", MM),
+    _column("pin", pa.float64(), "diameter of the pins", MM),
+    _column("changes", _list(pa.string()), "parameters that were changed to make it (fabricate.fix)"),
+    _column("parts", pa.int16(), "parts to print, pins and sleeves among them", "count"),
+    _column("components", pa.int16(), "greatest number of connected solids in one part: 1", "count"),
+    _column("volume", pa.float64(), "of all pieces, pins and sleeves aside", MM3),
+    _column("least_wall", pa.float64(), "least width of a piece's layer where much hangs on it", MM),
+    _column("least_gap", pa.float64(), "least gap of two pieces found among samples of the motion; null = none", MM),
+    _column("proven_gap", pa.float64(), "what pieces keep apart at every moment, proven; null = not proven", MM),
+    _column("overlap", pa.float64(), "greatest volume of two parts in common, at the poses cut", MM3),
+    _column("poses", pa.int16(), "poses of the motion at which the solids were cut with each other", "count"),
+    _column("pin_hinges", pa.int8(), "hinges with a pin", "count"),
+    _column("telescopic_hinges", pa.int8(), "hinges that lift", "count"),
+    _column("warnings", _list(pa.string()), "what is weak or lost"),
+)
+
 ERRORS = _schema(
     "What went wrong, by item; the run went on.",
     _column("item", pa.string(), "name of the item, or the two names of a pair"),
@@ -194,6 +221,7 @@ SCHEMAS = {
     "selected": SELECTED,
     "crs": CRS,
     "transforms": TRANSFORMS,
+    "fabrications": FABRICATIONS,
     "errors": ERRORS,
     "timings": TIMINGS,
 }

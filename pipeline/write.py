@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import math
-import re
-import shutil
-import unicodedata
-import uuid
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from pipeline import tables
 from pipeline.artifact import Artifact
+from pipeline.outputs import file_name, from_columns, from_rows, new_place, replace_folder, write_parquet, write_table
+from pipeline.puzzles import write_puzzles
 from pipeline.results import Results, Row
-from pipeline.store import TEMPORARY, write_atomically
+from pipeline.store import write_atomically
 from pipeline.work.construct import DEFORMATION, FIDELITY, RESIDUALS
 from pipeline.work.crs import unpack_scores
 from pipeline.work.motion import COLUMNS as MOTION
@@ -29,7 +26,6 @@ from riot.cross import NO_SCORE, CrossScore
 from riot.polyline import edge_lengths
 
 TRANSFORMS = "transforms"
-NAME_LENGTH = 40
 
 
 def write_tables(results: Results, folder: Path) -> list[Path]:
@@ -38,40 +34,20 @@ def write_tables(results: Results, folder: Path) -> list[Path]:
     Each table is written beside its place and then renamed; those of an earlier run are replaced.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    transforms = _transform_rows(results)
     written = [
-        _write(folder, "shapes", _shapes(results)),
-        _write(folder, "reversibility", _reversibility(results)),
-        _write(folder, "trunks", _trunks(results)),
+        write_table(folder, "shapes", _shapes(results)),
+        write_table(folder, "reversibility", _reversibility(results)),
+        write_table(folder, "trunks", _trunks(results)),
         *_write_qcrs(results, folder),
-        _write(folder, "selected", [_rows(tables.SELECTED, _selected(results))]),
-        _write(folder, "crs", [_rows(tables.CRS, _crs(results))]),
-        *_write_transforms(results, folder),
-        _write(folder, "errors", [_rows(tables.ERRORS, results.errors)]),
-        _write(folder, "timings", [_rows(tables.TIMINGS, _timings(results))]),
+        write_table(folder, "selected", [from_rows(tables.SELECTED, _selected(results))]),
+        write_table(folder, "crs", [from_rows(tables.CRS, _crs(results))]),
+        *_write_transforms(transforms, folder),
+        *write_puzzles(results, transforms, folder),
+        write_table(folder, "errors", [from_rows(tables.ERRORS, results.errors)]),
+        write_table(folder, "timings", [from_rows(tables.TIMINGS, _timings(results))]),
     ]
     return sorted(written)
-
-
-def _write(folder: Path, name: str, batches: Iterable[pa.Table]) -> Path:
-    path = folder / f"{name}.parquet"
-    temporary = folder / f"{TEMPORARY}{uuid.uuid4().hex}"
-    _write_parquet(temporary, tables.SCHEMAS[name], batches)
-    return temporary.replace(path)
-
-
-def _write_parquet(path: Path, schema: pa.Schema, batches: Iterable[pa.Table]) -> None:
-    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
-        for batch in batches:
-            writer.write_table(batch)
-
-
-def _rows(schema: pa.Schema, rows: Iterable[Row]) -> pa.Table:
-    return pa.Table.from_pylist(list(rows), schema=schema)
-
-
-def _columns(schema: pa.Schema, **columns: Any) -> pa.Table:
-    arrays = [pa.array(columns[field.name], type=field.type) for field in schema]
-    return pa.Table.from_arrays(arrays, schema=schema)
 
 
 def _shapes(results: Results) -> Iterator[pa.Table]:
@@ -105,7 +81,7 @@ def _shapes(results: Results) -> Iterator[pa.Table]:
                     "height": float(height),
                 }
             )
-        yield _rows(tables.SHAPES, rows)
+        yield from_rows(tables.SHAPES, rows)
 
 
 def _reversibility(results: Results) -> Iterator[pa.Table]:
@@ -117,7 +93,7 @@ def _reversibility(results: Results) -> Iterator[pa.Table]:
         keep = numbers >= 0
         necks = np.diff(artifact.arrays["neck_offsets"])
         columns = {name: artifact.arrays[name][keep] for name in ("score", "s1", "s2", "waist")}
-        yield _columns(tables.REVERSIBILITY, shape=numbers[keep], necks=necks[keep], **columns)
+        yield from_columns(tables.REVERSIBILITY, shape=numbers[keep], necks=necks[keep], **columns)
 
 
 def _trunks(results: Results) -> Iterator[pa.Table]:
@@ -133,7 +109,7 @@ def _trunks(results: Results) -> Iterator[pa.Table]:
         vertices = pa.ListArray.from_arrays(
             pa.array(offsets, type=pa.int32()), pa.array(arrays["vertices"], type=pa.int32())
         )
-        yield _columns(
+        yield from_columns(
             tables.TRUNKS,
             shape=np.repeat(results.numbers[batch.start : batch.stop], counts),
             trunk=np.arange(total) - np.repeat(arrays["trunk_offsets"][:-1], counts),
@@ -146,16 +122,16 @@ def _trunks(results: Results) -> Iterator[pa.Table]:
 
 def _write_qcrs(results: Results, folder: Path) -> list[Path]:
     # A new folder that takes the old one's place, so that no part of an earlier run with more blocks stays.
-    temporary = folder / f"{TEMPORARY}{uuid.uuid4().hex}"
+    temporary = new_place(folder)
     names = []
     schema = tables.QCRS if results.search is None else results.search.schema()
     for a in range(len(results.plan.batches)):
         name = Path(f"i_block={a:04d}") / "part-0.parquet"
         (temporary / name).parent.mkdir(parents=True)
-        _write_parquet(temporary / name, schema, [_block_row(results, a).cast(schema)])
+        write_parquet(temporary / name, schema, [_block_row(results, a).cast(schema)])
         names.append(name)
     temporary.mkdir(exist_ok=True)
-    _replace_folder(temporary, folder / "qcrs")
+    replace_folder(temporary, folder / "qcrs")
     return [folder / "qcrs" / name for name in names]
 
 
@@ -171,7 +147,7 @@ def _block_row(results: Results, a: int) -> pa.Table:
     columns = {name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}
     # Blocks are ordered by (i, j), and all of one block's j come before the next one's.
     order = np.argsort(columns["i"], kind="stable")
-    return _columns(tables.QCRS, **{name: column[order] for name, column in columns.items()})
+    return from_columns(tables.QCRS, **{name: column[order] for name, column in columns.items()})
 
 
 def _block_parts(results: Results, a: int) -> Iterator[dict[str, Any]]:
@@ -223,25 +199,22 @@ def _best_score(artifact: Artifact) -> CrossScore:
     return scores[0] if scores else NO_SCORE
 
 
-def _write_transforms(results: Results, folder: Path) -> list[Path]:
-    temporary = folder / f"{TEMPORARY}{uuid.uuid4().hex}"
+def _write_transforms(rows: Sequence[Row], folder: Path) -> list[Path]:
+    temporary = new_place(folder)
     temporary.mkdir()
-    rows = _transform_rows(results)
     files = []
-    for rank, row in enumerate(rows, start=1):
-        row["rank"] = rank
-        text = row.pop("riot")
-        row["file"] = ""
-        if text is not None:
-            name = f"{rank:04d}_{file_name(row['name_i'])}_{file_name(row['name_j'])}.riot"
-            write_atomically(temporary / name, text.encode())
-            row["file"] = f"{TRANSFORMS}/{name}"
+    for row in rows:
+        if row["file"]:
+            name = row["file"].removeprefix(f"{TRANSFORMS}/")
+            write_atomically(temporary / name, row["riot"].encode())
             files.append(folder / TRANSFORMS / name)
-    _replace_folder(temporary, folder / TRANSFORMS)
-    return [_write(folder, "transforms", [_rows(tables.TRANSFORMS, rows)]), *files]
+    replace_folder(temporary, folder / TRANSFORMS)
+    plain = [{name: value for name, value in row.items() if name != "riot"} for row in rows]
+    return [write_table(folder, "transforms", [from_rows(tables.TRANSFORMS, plain)]), *files]
 
 
 def _transform_rows(results: Results) -> list[Row]:
+    """Rows of `transforms`, ranked, with the text of their file as ``riot``, None where there is none."""
     rows = []
     motions = {item.members: results.artifact(item) for item in results.work["motion"]}
     papers = {item.members: results.artifact(item) for item in results.work.get("paper", ())}
@@ -272,7 +245,11 @@ def _transform_rows(results: Results) -> list[Row]:
         if "iou_p" in document:
             row["iou"] = min(document["iou_p"], document["iou_q"])
         rows.append(row)
-    return sorted(rows, key=_least_deformed_first)
+    rows.sort(key=_least_deformed_first)
+    for rank, row in enumerate(rows, start=1):
+        name = f"{rank:04d}_{file_name(row['name_i'])}_{file_name(row['name_j'])}.riot"
+        row |= {"rank": rank, "file": "" if row["riot"] is None else f"{TRANSFORMS}/{name}"}
+    return rows
 
 
 def _least_deformed_first(row: Row) -> tuple[int, float, int]:
@@ -308,19 +285,3 @@ def _pair(results: Results, members: tuple[int, ...]) -> Row:
         "class_i": first.cls,
         "class_j": second.cls,
     }
-
-
-def file_name(name: str) -> str:
-    """A name as part of a file's name: ASCII letters, digits, dots and dashes, not too long, never empty."""
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
-    return re.sub(r"[^A-Za-z0-9.-]+", "-", plain)[:NAME_LENGTH].strip("-.") or "shape"
-
-
-def _replace_folder(temporary: Path, target: Path) -> None:
-    if target.exists():
-        old = target.with_name(f"{TEMPORARY}{uuid.uuid4().hex}")
-        target.replace(old)
-        temporary.replace(target)
-        shutil.rmtree(old)
-    else:
-        temporary.replace(target)

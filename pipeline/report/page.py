@@ -10,6 +10,7 @@ from pipeline.report.beside import beside
 from pipeline.report.card import Card
 from pipeline.report.histogram import figure
 from pipeline.report.markup import NOTHING, SHOWN_PAIRS, count, number, seconds, section, small, table
+from pipeline.report.puzzles import puzzles
 from pipeline.report.rows import Run, TransformRow
 from pipeline.report.style import style_sheet
 from riot.draw.svg import escape
@@ -28,6 +29,7 @@ def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str
     name = dataset_name(run)
     unseen = {row.rank for row, _ in lost}
     compared = "" if run.comparison is None else beside(run.comparison, unseen)
+    printed = puzzles(run.fabrications, unseen) if run.fabrications else ""
     pieces = "".join(dict.fromkeys(one.definitions for one in cards))
     return (
         "<!DOCTYPE html>\n"
@@ -36,7 +38,7 @@ def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str
         f'<title>{escape(name)} · reversible transforms</title><link rel="icon" href="{ICON}">\n'
         f"<style>{style_sheet()}</style></head>\n<body>\n"
         f'<svg width="0" height="0" style="position:absolute" aria-hidden="true">{pieces}</svg>\n'
-        f"{_top(run, name)}<main>\n{_gallery(run, cards)}{_best(run, unseen)}{compared}"
+        f"{_top(run, name)}<main>\n{_gallery(run, cards)}{_best(run, unseen)}{printed}{compared}"
         f"{_scores(run)}{_timings(run)}{_rejected(run, lost)}{_errors(run)}{_settings(run)}</main>\n"
         "<footer>Written from the tables beside this page; it needs no network and no script.</footer>\n"
         "</body></html>\n"
@@ -70,6 +72,7 @@ def _top(run: Run, name: str) -> str:
     ]
     links = [
         ("gallery", "Gallery"), ("best", "Best pairs"),
+        *([("puzzles", "Puzzles")] if run.fabrications else []),
         *([("beside", "Beside the paper’s method")] if run.comparison is not None else []),
         ("scores", "Scores"), ("time", "Time"), ("rejected", "Rejected"), ("errors", "Errors"),
         ("settings", "Settings"),

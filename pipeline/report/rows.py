@@ -96,6 +96,7 @@ class Run:
     pairs_without_trunks: int
     selected: int
     transforms: tuple[TransformRow, ...]
+    fabrications: tuple[Row, ...]
     errors: tuple[Row, ...]
     timings: tuple[Row, ...]
     s_r: Distribution
@@ -169,6 +170,7 @@ def read_run(folder: Path) -> Run:
         pairs_without_trunks=lonely[0],
         selected=pq.read_metadata(folder / "selected.parquet").num_rows,
         transforms=transforms,
+        fabrications=tuple(_rows(folder, "fabrications")),
         errors=tuple(_rows(folder, "errors")),
         timings=tuple(timings),
         s_r=distribution([_column(folder, "reversibility", "score")]),
@@ -183,7 +185,10 @@ def read_run(folder: Path) -> Run:
 _NEEDED = (
     "run.json",
     "qcrs",
-    *(f"{name}.parquet" for name in ("shapes", "reversibility", "selected", "crs", "transforms", "errors", "timings")),
+    *(
+        f"{name}.parquet"
+        for name in ("shapes", "reversibility", "selected", "crs", "transforms", "fabrications", "errors", "timings")
+    ),
 )
 
 

@@ -44,7 +44,7 @@ def transforms(count=4):
     ]
 
 
-def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40, approximate=()):
+def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40, approximate=(), fabrications=None):
     """Write a run's folder as the pipeline does; returns the transforms in order of rank.
 
     The first `COMPARED` are compared with invented ones by the paper's method; ``approximate`` ones are listed after.
@@ -76,6 +76,7 @@ def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40, approxima
     write_table(folder, "selected", [{name: row[name] for name in names} for row in rows])
     write_table(folder, "crs", [{"rank": row["rank"], "score": row["crs"], "n": row["n"]} for row in rows])
     write_table(folder, "transforms", rows)
+    write_table(folder, "fabrications", [] if fabrications is None else fabrications)
     write_table(folder, "errors", [_error(k) for k in range(errors)])
     write_table(
         folder,

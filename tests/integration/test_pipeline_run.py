@@ -171,6 +171,26 @@ def test_a_parameter_redoes_what_reads_it_and_explains(copied: Path, root: Path)
     assert '<section id="beside">' in (copied / "outputs" / "folder" / "report.html").read_text()
 
 
+def test_the_best_transforms_become_puzzles(copied: Path, root: Path) -> None:
+    folder, wanted = copied / "outputs" / "folder", ("fabricate.top=1", "fabricate.size_mm=200", "fabricate.fix=true")
+    explained = run(copied, root, *wanted, "--explain")
+    assert explained.returncode == CLEAN and "fabricate: 1 of 1 to do" in explained.stdout
+    done = run(copied, root, *wanted, "cluster=sync")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    counts = stages(copied)
+    assert counts["motion"]["computed"] == 0 and counts["fabricate"]["computed"] == 1
+    best, (row,) = table(copied, "transforms")[0], table(copied, "fabrications")
+    assert (row["rank"], row["i"], row["j"]) == (1, best["i"], best["j"])
+    assert row["status"] == "certified", row["message"]
+    assert row["folder"] == f"print/{Path(str(best['file'])).stem}"
+    printed = {path.name for path in (folder / str(row["folder"])).iterdir()}
+    assert {"piece-1.stl", "plate-1.3mf", "parts.json"} <= printed
+    assert '<section id="puzzles">' in (folder / "report.html").read_text()
+    # Without puzzles the run is as it was before, and none of theirs is left.
+    assert run(copied, root, "cluster=sync").returncode == CLEAN
+    assert not list((folder / "print").iterdir()) and table(copied, "fabrications") == []
+
+
 def test_a_damaged_artifact_is_made_again(copied: Path, finished: Path, root: Path) -> None:
     payload = next(iter(sorted((copied / "store" / "trunks").rglob(PAYLOAD))))
     raw = bytearray(payload.read_bytes())

@@ -1,0 +1,89 @@
+"""The puzzle of one transform: its files, and what the tables say of it (paper §4.4)."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.artifact import AnyArray, Artifact
+from pipeline.work.items import ErrorRow, attempt
+from riot.fabricate.certificate import Fixed, build, fix
+from riot.fabricate.errors import FabricationError
+from riot.fabricate.files import write_puzzle
+from riot.fabricate.paperwork import write_paperwork
+from riot.fabricate.parameters import FabricationParameters
+from riot.riotfile import from_json
+
+COLUMNS = (
+    "status", "reason", "message", "size", "thickness", "pin", "changes", "parts", "components", "volume", "least_wall",
+    "least_gap", "proven_gap", "overlap", "poses", "pin_hinges", "telescopic_hinges", "warnings",
+)  # fmt: skip
+"""What `fabrications` has of it."""
+
+
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
+    """A transform with its motion → the puzzle's files by name, (bytes,) uint8 each, and a document: `COLUMNS`.
+
+    A puzzle that cannot be made, or fails its certificate, has no files and a reason: it is no error.
+    """
+    (planned,), (sizes, mend, paper) = inputs, parameters
+    errors: list[ErrorRow] = []
+
+    def made() -> Artifact:
+        try:
+            return _made(planned, sizes, mend, paper)
+        except FabricationError as error:
+            said = {"status": "refused", "reason": error.reason, "message": str(error)}
+            return Artifact({}, {**said, **_asked(sizes)})
+
+    result = attempt(0, made, errors)
+    return result if result is not None else Artifact({}, {"errors": errors})
+
+
+def _made(planned: Artifact, sizes: FabricationParameters, mend: bool, paper: bool) -> Artifact:
+    puzzle = (fix if mend else build)(from_json(planned.document["riot"]), sizes)
+    if not puzzle.certificate.passed:
+        said = {"status": "failed", "reason": "uncertified", "message": "; ".join(puzzle.certificate.failures)}
+        return Artifact({}, {**said, **_measured(puzzle)})
+    files = _files(puzzle, paper)  # may still find that a part is larger than the bed
+    return Artifact(files, {"status": "certified", "reason": "", "message": "", **_measured(puzzle)})
+
+
+def _files(puzzle: Fixed, paper: bool) -> dict[str, AnyArray]:
+    def paperwork(where: Path) -> None:
+        write_paperwork(puzzle.design, where, dxf=False)
+
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "puzzle"
+        paths = write_puzzle(puzzle.design, puzzle.parts, puzzle.certificate, folder, [paperwork] if paper else [])
+        return {path.relative_to(folder).as_posix(): np.frombuffer(path.read_bytes(), dtype=np.uint8) for path in paths}
+
+
+def _asked(sizes: FabricationParameters) -> dict[str, Any]:
+    return {"size": sizes.size_mm, "thickness": sizes.height, "pin": sizes.pin_mm}
+
+
+def _measured(puzzle: Fixed) -> dict[str, Any]:
+    made, certificate = puzzle.design, puzzle.certificate
+    pieces = [check for check in certificate.parts if not math.isnan(check.wall)]
+    motion = certificate.motion
+    return {
+        **_asked(made.parameters),
+        "changes": list(puzzle.changes),
+        "parts": sum(check.count for check in certificate.parts),
+        "components": max(check.components for check in certificate.parts),
+        "volume": math.fsum(check.volume for check in pieces),
+        "least_wall": certificate.wall,
+        "least_gap": motion.gap if math.isfinite(motion.gap) else None,
+        "proven_gap": motion.floor if motion.proven else None,
+        "overlap": motion.overlap,
+        "poses": motion.poses,
+        "pin_hinges": sum(pin.count for pin in made.pins),
+        "telescopic_hinges": made.sleeves,
+        "warnings": list(made.warnings),
+    }
