@@ -175,6 +175,12 @@ class Stack:
         """Of the whole stack, mm."""
         return len(self.slices) * self.thickness
 
+    def upright(self, points: FloatArray) -> FloatArray:
+        """(k, 3) points of the stack turned as the file has them, mm."""
+        found = np.empty_like(points)
+        found[:, _TURNS[self.along]] = points
+        return found
+
 
 def cut(model: Model, how: Cut) -> Stack:
     """Cut a solid, scaled so that the slices fill its height.
@@ -201,8 +207,9 @@ def cut(model: Model, how: Cut) -> Stack:
 
 def section(solid: manifold3d.Manifold, height: float) -> shapely.Geometry:
     """The region of a solid in the plane at a height, with its holes."""
+    found = solid.slice(height)
     parts = []
-    for part in solid.slice(height).decompose():
+    for part in [] if found.is_empty() else found.decompose():
         rings = sorted((np.asarray(ring, dtype=np.float64) for ring in part.to_polygons()), key=_extent, reverse=True)
         parts.append(shapely.Polygon(rings[0], rings[1:]))
     return shapely.MultiPolygon(parts)

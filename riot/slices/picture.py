@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import manifold3d
@@ -41,6 +42,7 @@ _NAME_LENGTH = 28
 def draw_overview(stack: Stack, outcomes: Sequence[Outcome], path: Path) -> None:
     """Draw the object, the stack of its slices, and the same slices turned inside out, as PNG; the same bytes always.
 
+    Object and stack stand as the file has them; turned slices lie one over the other.
     A slice that could not be made is grey, and is missing from the turned ones.
     """
     turned_lift = (1.0 + TURNED_APART) * stack.thickness
@@ -52,8 +54,8 @@ def draw_overview(stack: Stack, outcomes: Sequence[Outcome], path: Path) -> None
         slices += _pieces(each.puzzle, 0.0, each.slice.low)
         turned += _pieces(each.puzzle, 1.0, (each.slice.number - 1) * turned_lift)
     groups = [
-        ([_body(stack.solid, _OBJECT)], stack.name),
-        (slices, f"{len(stack.slices)} slices of {stack.thickness:g} mm, along {stack.along}"),
+        (_upright(stack, [_body(stack.solid, _OBJECT)]), stack.name),
+        (_upright(stack, slices), f"{len(stack.slices)} slices of {stack.thickness:g} mm, along {stack.along}"),
         (turned, "turned inside out"),
     ]
     longest = max(
@@ -127,6 +129,10 @@ def _pieces(puzzle: Puzzle, t: float, lift: float) -> list[Body]:
         colour = to_rgb(PIECES[hue(i, len(pieces))])
         bodies.append(Body(np.column_stack([flat, points[:, 2] + lift]), triangles, colour))
     return bodies
+
+
+def _upright(stack: Stack, bodies: Sequence[Body]) -> list[Body]:
+    return [replace(body, points=stack.upright(body.points)) for body in bodies]
 
 
 def _prism(each: Slice) -> Body:
