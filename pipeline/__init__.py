@@ -1,0 +1,1 @@
+from pipeline import sources as _sources  # noqa: F401  (before any other module of the project is loaded)

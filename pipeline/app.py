@@ -18,6 +18,7 @@ from rich.table import Table
 
 import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
 from pipeline.match import Match, Mined, Query, match, open_mined, read_query
+from pipeline.places.base import place_of
 from riot import cli
 from riot.kernels.warm import warm_all
 
@@ -150,7 +151,7 @@ def _add_match(commands: cli.Commands) -> None:
         "--in", dest="run_folder", type=Path, required=True, metavar="RUN", help="folder of a run, as outputs/mpeg7"
     )
     parser.add_argument("--top", type=_count, default=10, metavar="K", help="how many partners (default: 10)")
-    parser.add_argument("--store", type=Path, metavar="DIR", help="the run's store, if it was moved")
+    parser.add_argument("--store", type=place_of, metavar="PLACE", help="the run's store, if it was moved (DIR or URL)")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     parser.add_argument("--timings", action="store_true", help="print how long each step took, on standard error")
     parser.set_defaults(run=run_match)

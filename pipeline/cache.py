@@ -1,12 +1,13 @@
-"""``python -m pipeline.cache du|verify|gc``: what the store holds, whether it is whole, and what no run needs."""
+"""``python -m pipeline.cache du|verify|gc|accept``: what the store holds, whether it is whole, what no run needs.
+
+``accept`` keeps a run's artifacts through an edit of the code that changes no result.
+"""
 
 from __future__ import annotations
 
 import argparse
 import json
-import shutil
 import sys
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,13 +15,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.errors import StartError
+from pipeline.accept import accept
+from pipeline.errors import PayloadError, StartError
+from pipeline.places.base import place_of
 from pipeline.record import ARTIFACTS
 from pipeline.remarks import several
-from pipeline.store import TEMPORARY, State, Store
-
-STALE_SECONDS = 3600.0
-"""A temporary file this old belongs to no writer any more."""
+from pipeline.store import State, Store, folder_name
 
 OK, DAMAGED, BAD_START = 0, 3, 2
 
@@ -39,8 +39,7 @@ def usage(store: Store) -> list[Usage]:
     """Artifacts and bytes by stage."""
     found: dict[str, list[int]] = {}
     for stage, key in store.folders():
-        files = [file for file in store.folder(stage, key).iterdir() if file.is_file()]
-        found.setdefault(stage, []).append(sum(file.stat().st_size for file in files))
+        found.setdefault(stage, []).append(sum(store.files.sizes(folder_name(stage, key)).values()))
     return [Usage(stage, len(sizes), sum(sizes)) for stage, sizes in sorted(found.items())]
 
 
@@ -57,24 +56,20 @@ def needed(outputs: Path) -> tuple[set[tuple[str, str]], int]:
     keys: set[tuple[str, str]] = set()
     runs = sorted(outputs.rglob(ARTIFACTS)) if outputs.is_dir() else []
     for file in runs:
-        try:
-            for stage, names in json.loads(file.read_bytes()).items():
-                keys.update((stage, name) for name in names)
-        except (OSError, ValueError, TypeError, AttributeError) as error:
-            raise StartError(
-                f"{file}: cannot be read ({error}); run again, or remove the run's folder if it is not needed"
-            ) from error
+        for stage, names in _keys_of_run(file).items():
+            keys.update((stage, name) for name in names)
     return keys, len(runs)
 
 
-def garbage(store: Store, keep: set[tuple[str, str]]) -> Iterator[Path]:
-    """Folders of artifacts that are damaged or not in ``keep``, and left-over temporary files."""
+def garbage(store: Store, keep: set[tuple[str, str]]) -> Iterator[str]:
+    """Names of the folders of artifacts that are damaged or not in ``keep``, and of abandoned temporary files."""
+    yield from store.files.abandoned("")
     for stage, key in store.folders():
-        folder = store.folder(stage, key)
+        folder = folder_name(stage, key)
         if (stage, key) not in keep or store.state(stage, key) is not State.PRESENT:
             yield folder
         else:
-            yield from (file for file in folder.glob(f"{TEMPORARY}*") if _stale(file))
+            yield from (f"{folder}/{name}" for name in store.files.abandoned(folder))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -82,15 +77,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     console = Console(highlight=False, soft_wrap=True)
     store = Store(options.store)
-    if not store.root.is_dir():
-        console.print(f"{store.root}: there is no store here; give --store DIR")
+    try:
+        if not store.files.exists():
+            raise StartError(f"{store.root}: there is no store here; give --store PLACE")
+        if options.command == "du":
+            _show_usage(usage(store), console)
+            return OK
+        if options.command == "verify":
+            return _verify(store, console)
+        if options.command == "accept":
+            return _accept(store, options.run, options.dry_run, console)
+        with store.files.alone() as alone:
+            return _collect_garbage(store, options, alone, console)
+    except (StartError, OSError) as error:
+        console.print(str(error), markup=False)
         return BAD_START
-    if options.command == "du":
-        _show_usage(usage(store), console)
-        return OK
-    if options.command == "verify":
-        return _verify(store, console)
-    return _collect_garbage(store, options.outputs, options.dry_run, console)
 
 
 def _show_usage(found: Sequence[Usage], console: Console) -> None:
@@ -116,35 +117,56 @@ def _verify(store: Store, console: Console) -> int:
     return DAMAGED if found else OK
 
 
-def _collect_garbage(store: Store, outputs: Path, dry_run: bool, console: Console) -> int:
-    try:
-        keep, runs = needed(outputs)
-    except StartError as error:
-        console.print(str(error), markup=False)
-        return BAD_START
+def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, console: Console) -> int:
+    keep, runs = needed(options.outputs)
     if runs == 0:
-        console.print(
-            f"{outputs}: no finished run here names what it needs, so that everything would go; "
+        raise StartError(
+            f"{options.outputs}: no finished run here names what it needs, so that everything would go; "
             f"give --outputs DIR, or delete {store.root} yourself"
         )
-        return BAD_START
+    if not (alone or options.alone or options.dry_run):
+        raise StartError(
+            f"{store.root}: a run is using it, or it cannot be known whether one is, and what that has done so far "
+            "would go; wait until it has ended, or give --alone if there is none"
+        )
     count = size = 0
-    for path in list(garbage(store, keep)):
+    for name in list(garbage(store, keep)):
         count += 1
-        size += sum(file.stat().st_size for file in path.rglob("*")) if path.is_dir() else path.stat().st_size
-        if not dry_run and path.is_dir():
-            shutil.rmtree(path)
-        elif not dry_run:
-            path.unlink(missing_ok=True)
-    verb = "would be deleted" if dry_run else "deleted"
+        folder, _, file = name.rpartition("/")
+        size += sum(store.files.sizes(name).values()) or store.files.sizes(folder).get(file, 0)
+        if not options.dry_run:
+            store.files.remove(name)
+    verb = "would be deleted" if options.dry_run else "deleted"
     what = several(count, "artifact or left-over file", "artifacts or left-over files")
     keeping = several(runs, "run keeps", "runs keep")
     console.print(f"{what}, {size / 1e6:,.1f} MB, {verb}; {keeping} {several(len(keep), 'artifact')}")
     return OK
 
 
-def _stale(file: Path) -> bool:
-    return time.time() - file.stat().st_mtime > STALE_SECONDS
+def _accept(store: Store, run: Path, dry_run: bool, console: Console) -> int:
+    try:
+        found = accept(store, _keys_of_run(run / ARTIFACTS), dry_run=dry_run)
+    except (KeyError, PayloadError) as error:
+        said = error.args[0] if isinstance(error, KeyError) else error
+        raise StartError(
+            f"{store.root}: not all that {run} stands on is whole ({said}); run it again instead"
+        ) from error
+    for text, count in sorted(found.changes.items()):
+        console.print(f"  {count} × {text}", markup=False)
+    verb = "would be accepted" if dry_run else "accepted"
+    total = sum(found.accepted.values())
+    console.print(f"{several(total, 'artifact')} {verb} as what the code and libraries here would compute")
+    return OK
+
+
+def _keys_of_run(file: Path) -> dict[str, list[str]]:
+    try:
+        keys = json.loads(file.read_bytes())
+        return {str(stage): [str(key) for key in names] for stage, names in keys.items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise StartError(
+            f"{file}: cannot be read ({error}); run again, or remove the run's folder if it is not needed"
+        ) from error
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -154,12 +176,17 @@ def _parser() -> argparse.ArgumentParser:
         ("du", "what each stage takes"),
         ("verify", "check every artifact down to the last byte"),
         ("gc", "delete what no finished run below --outputs needs, and what is damaged"),
+        ("accept", "after an edit that changes no result: keep a run's artifacts for the code that is here now"),
     ):
-        command = commands.add_parser(name, help=text)
-        command.add_argument("--store", type=Path, default=Path("store"), help="the store (default: store)")
+        command = commands.add_parser(name, help=text, description=text)
+        command.add_argument("--store", type=place_of, default=Path("store"), help="folder or URL (default: store)")
         if name == "gc":
             command.add_argument("--outputs", type=Path, default=Path("outputs"), help="runs to keep for")
-            command.add_argument("--dry-run", action="store_true", help="say what would go, delete nothing")
+            command.add_argument("--alone", action="store_true", help="no run is using the store: it cannot be known")
+        if name == "accept":
+            command.add_argument("--run", type=Path, required=True, help="folder of the run, as outputs/mpeg7")
+        if name in ("gc", "accept"):
+            command.add_argument("--dry-run", action="store_true", help="say what would be done, do nothing")
     return parser
 
 

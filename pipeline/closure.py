@@ -4,6 +4,8 @@ A module's digest is taken over its syntax tree without docstrings, comments and
 meaning makes a miss. The closure follows every import inside the project, also those inside functions, but not those
 under ``if TYPE_CHECKING``. A package's ``__init__`` counts only when something is imported from it by name: what it
 re-exports does not change what a submodule computes.
+
+The project's own modules are taken as they were when this process began (`pipeline.sources`).
 """
 
 from __future__ import annotations
@@ -11,14 +13,13 @@ from __future__ import annotations
 import ast
 import hashlib
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("riot", "pipeline")
+from pipeline.sources import AT_START, PACKAGES, ROOT, Source, edited, read_sources
 
 DECLARATIONS = frozenset({"riot.parameters", "riot.motion.parameters", "riot.errors", "pipeline.errors"})
 """Modules that compute nothing: the values of parameters enter a key by themselves, so that a new parameter or another
@@ -27,9 +28,14 @@ default of one stage leaves the other stages' keys alone."""
 
 def code_digests(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> dict[str, str]:
     """Digest of every project module that ``module`` imports, directly or not, itself included."""
-    names = closure(module, root, packages)[0]
-    paths = {name: _path(name, root) for name in names if name not in DECLARATIONS}
-    return {name: _facts(name, path).digest for name, path in paths.items() if path is not None}
+    sources = _sources(root, packages)
+    names = _closure(module, root, packages, sources)[0]
+    return {name: _facts(name, sources[name]).digest for name in names if name not in DECLARATIONS}
+
+
+def edited_since_start(module: str) -> list[str]:
+    """Modules that ``module`` imports, directly or not, whose files are no longer what this process began with."""
+    return edited(closure(module)[0], AT_START)
 
 
 def library_versions(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> dict[str, str]:
@@ -49,7 +55,22 @@ def closure(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES
 
     Raises ModuleNotFoundError when ``module`` itself is not in the project.
     """
-    if _path(module, root) is None:
+    return _closure(module, root, packages, _sources(root, packages))
+
+
+def module_digest(path: Path) -> str:
+    """Digest of a module's syntax tree; docstrings, comments, layout and the Python version do not count."""
+    return _facts("", Source(path, path.read_bytes())).digest
+
+
+def _sources(root: Path, packages: tuple[str, ...]) -> Mapping[str, Source]:
+    return AT_START if (root, packages) == (ROOT, PACKAGES) else read_sources(root, packages)
+
+
+def _closure(
+    module: str, root: Path, packages: tuple[str, ...], sources: Mapping[str, Source]
+) -> tuple[list[str], list[str]]:
+    if module not in sources:
         raise ModuleNotFoundError(f"no module {module} below {root}")
     ours: set[str] = set()
     others: set[str] = set()
@@ -59,22 +80,15 @@ def closure(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES
         if name in ours:
             continue
         ours.add(name)
-        path = _path(name, root)
-        assert path is not None  # only names that have a file are put on the list
-        for target in _facts(name, path).imports:
+        for target in _facts(name, sources[name]).imports:
             top = target.split(".")[0]
             if top not in packages:
                 others.add(top)
                 continue
-            found = _resolve(target, root)
+            found = _resolve(target, sources)
             if found is not None:
                 pending.append(found)
     return sorted(ours), sorted(others)
-
-
-def module_digest(path: Path) -> str:
-    """Digest of a module's syntax tree; docstrings, comments, layout and the Python version do not count."""
-    return _facts("", path).digest
 
 
 @dataclass(frozen=True)
@@ -83,18 +97,13 @@ class _Facts:
     imports: tuple[str, ...]
 
 
-def _facts(module: str, path: Path) -> _Facts:
-    stat = path.stat()
-    return _facts_of_version(module, path, stat.st_mtime_ns, stat.st_size)
-
-
 @cache
-def _facts_of_version(module: str, path: Path, _modified: int, _size: int) -> _Facts:
+def _facts(module: str, source: Source) -> _Facts:
     # Most modules are in the closures of most stages: each version of a file is parsed once.
-    tree = ast.parse(path.read_bytes(), filename=str(path))
+    tree = ast.parse(source.content, filename=str(source.path))
     state = hashlib.sha256()
     _feed(tree, state)
-    return _Facts(state.hexdigest()[:32], tuple(dict.fromkeys(_imports(module, path, tree))))
+    return _Facts(state.hexdigest()[:32], tuple(dict.fromkeys(_imports(module, source.path, tree))))
 
 
 def _feed(node: object, state: hashlib._Hash) -> None:
@@ -166,18 +175,10 @@ def _is_type_checking(test: ast.expr) -> bool:
     )
 
 
-def _path(module: str, root: Path) -> Path | None:
-    base = root.joinpath(*module.split("."))
-    for candidate in (base / "__init__.py", base.with_suffix(".py")):
-        if candidate.is_file():
-            return candidate
-    return None
-
-
-def _resolve(target: str, root: Path) -> str | None:
+def _resolve(target: str, sources: Mapping[str, Source]) -> str | None:
     # "riot.trunks.Trunks" is a name in the module riot.trunks; "riot.trunks" a module of the package riot.
     while target:
-        if _path(target, root) is not None:
+        if target in sources:
             return target
         target = target.rpartition(".")[0]
     return None

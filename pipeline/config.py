@@ -14,6 +14,7 @@ from typing import Any, Literal, TypeVar
 
 from pipeline.datasets import DatasetConfig
 from pipeline.errors import ConfigError
+from pipeline.places.base import Place, Url
 from riot.fabricate.parameters import FabricationParameters
 from riot.motion.parameters import MotionParameters
 from riot.parameters import (
@@ -118,8 +119,8 @@ class Config:
     dataset: DatasetConfig
     outputs: Path = Path("outputs")
     """Tables and report go to ``outputs/<dataset>/``."""
-    store: Path = Path("store")
-    """Content-addressed artifacts, shared by all runs."""
+    store: Place = Path("store")
+    """Content-addressed artifacts, shared by all runs: a folder, or a URL such as s3://bucket/prefix."""
     batch: int = 32
     """Mean number of shapes in a work item of the per-shape stages; a QCRS block is a pair of batches."""
     compare: int = 0
@@ -229,8 +230,10 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
         if not isinstance(value, Mapping):
             raise ConfigError(f"{where}: expected a group of parameters, got {value!r}")
         return build(typing.cast("type[Any]", hint), value, where + ".")
-    if hint is Path and isinstance(value, str | Path) and str(value):
+    if hint is Path and isinstance(value, str | Path) and str(value) and "://" not in str(value):
         return Path(value).expanduser()
+    if hint is Url and isinstance(value, str) and "://" in value:
+        return Url(value)
     if hint is float and isinstance(value, int | float) and not isinstance(value, bool):
         if not math.isfinite(value):
             raise ConfigError(f"{where}: {value} is not a finite number")
@@ -262,7 +265,7 @@ def _convert_union(options: tuple[Any, ...], value: Any, where: str) -> Any:
 
 
 def _describe(hint: Any) -> str:
-    names = {float: "a number", int: "a whole number", bool: "true or false", str: "text", Path: "a path"}
+    names = {float: "a number", int: "a whole number", bool: "true or false", str: "text", Path: "a path", Url: "a URL"}
     if hint is type(None):
         return "null"
     return names.get(hint, getattr(hint, "__name__", str(hint)))

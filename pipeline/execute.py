@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from pipeline.cluster import Bundle, Executor, Here, open_cluster
 from pipeline.config import ClusterConfig
 from pipeline.events import ItemDone, Listener, StageEnded, StageStarted
 from pipeline.perform import Failure, Receipt
+from pipeline.places.base import Place
 from pipeline.plan import Reference, WorkItem
 from pipeline.stages import BY_NAME
 from pipeline.store import State, Store
@@ -71,7 +71,7 @@ class Run:
         pending = list(ready.values())
         for tries in range(1, MAX_TRIES + 1):
             again: list[WorkItem] = []
-            for receipt in executor.run(str(self.store.root), bundles(pending, executor.workers)):
+            for receipt in executor.run(self.store.text, bundles(pending, executor.workers)):
                 spent.append(receipt)
                 reference = (receipt.stage, receipt.key)
                 if receipt.failure is None:
@@ -125,7 +125,7 @@ def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:
 
 
 @contextlib.contextmanager
-def open_run(root: Path, cluster: ClusterConfig, prepare: Callable[[], None], listen: Listener) -> Iterator[Run]:
+def open_run(root: Place, cluster: ClusterConfig, prepare: Callable[[], None], listen: Listener) -> Iterator[Run]:
     """A run whose cluster is opened with the first work item that needs it, after ``prepare`` (compiling kernels)."""
     with contextlib.ExitStack() as stack:
         opened: list[Executor] = []

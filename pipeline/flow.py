@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import uuid
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -16,6 +15,8 @@ from pipeline.datasets import Collection, collect
 from pipeline.errors import StartError
 from pipeline.events import Listener, Note
 from pipeline.execute import Run, open_run
+from pipeline.places.base import Place
+from pipeline.places.choose import open_files
 from pipeline.plan import (
     Pair,
     Plan,
@@ -34,7 +35,6 @@ from pipeline.plan import (
 )
 from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results, certified, least_deformed
-from pipeline.store import write_atomically
 from pipeline.write import write_tables
 from riot.shape import FloatArray
 
@@ -59,19 +59,16 @@ def run_folder(config: Config) -> Path:
     return config.outputs / config.dataset.name
 
 
-def check_writable(folder: Path, parameter: str) -> None:
-    """Make a folder and try to write in it.
+def check_writable(place: Place, parameter: str) -> None:
+    """Make a place and try to write in it.
 
-    Raises `StartError` naming the folder and the ``parameter`` that chooses another.
+    Raises `StartError` naming the place and the ``parameter`` that chooses another.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / f".probe-{uuid.uuid4().hex}"
-        write_atomically(probe, b"")
-        probe.unlink()
+        open_files(place).probe()
     except OSError as error:
         raise StartError(
-            f"cannot write to {folder}: {error.strerror or error}; make it writable, or choose another place "
+            f"cannot write to {place}: {error.strerror or error}; make it writable, or choose another place "
             f"with {parameter}=DIR"
         ) from error
 
@@ -82,11 +79,16 @@ def run_pipeline(config: Config, listen: Listener) -> Outcome:
     Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` when a folder cannot be written or
     the cluster cannot be reached.
     """
-    started, clock = datetime.now(UTC), time.perf_counter()
     collection = collect(config.dataset)
-    folder = run_folder(config)
-    check_writable(folder, "outputs")
+    check_writable(run_folder(config), "outputs")
     check_writable(config.store, "store")
+    with open_files(config.store).shared():  # what is not yet listed as needed must not be tidied away
+        return _run(config, collection, listen)
+
+
+def _run(config: Config, collection: Collection, listen: Listener) -> Outcome:
+    started, clock = datetime.now(UTC), time.perf_counter()
+    folder = run_folder(config)
     plan = make_plan(config, collection)
     with open_run(config.store, config.cluster, lambda: _compile(listen), listen) as run:
         results = _stages(plan, collection, run)

@@ -17,6 +17,7 @@ from pipeline.errors import ConfigError, PayloadError, StartError
 from pipeline.explain import explain, gather
 from pipeline.index import load_index
 from pipeline.keys import digest_bytes
+from pipeline.places.base import Place, place_of
 from pipeline.record import ARTIFACTS, RECORD, read_record
 from pipeline.stages import BY_NAME, Recipe, recipe
 from pipeline.store import Entry, Store
@@ -88,15 +89,15 @@ class Match:
     compared: int
 
 
-def open_mined(folder: Path, store: Path | None = None) -> Mined:
+def open_mined(folder: Path, store: Place | None = None) -> Mined:
     """Read what a finished run in ``folder`` stands on; ``store``: where its store is now, if not where it was.
 
     Raises `StartError` when there is no such run, it was mined by other code than is here, or its store is gone.
     """
     record = _record(folder)
     config = _config(folder, record)
-    where = Store(store or Path(record.get("store", config.store)))
-    if not where.root.is_dir():
+    where = Store(store or place_of(record.get("store", config.store)))
+    if not where.files.exists():
         moved = "give --store DIR if it was moved" if store is None else "give the folder that it is in now"
         raise StartError(f"{where.root}: the store of {folder} is gone; {moved}; else {AGAIN}")
     table = _shapes(folder, record)

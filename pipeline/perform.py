@@ -7,12 +7,12 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from pipeline.inputs import Inputs, Kept
+from pipeline.places.base import place_of
 from pipeline.plan import WorkItem
 from pipeline.stages import code_text, work_of
-from pipeline.store import Store
+from pipeline.store import State, Store
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def perform(root: str, items: Sequence[WorkItem], kept: Kept) -> Iterator[Receip
 
     Inputs that the worker keeps are in ``kept``, which it passes with every task.
     """
-    store = Store(Path(root))
+    store = Store(place_of(root))
     inputs = Inputs(store, items, kept)
     for place, item in enumerate(items):
         yield _perform_one(store, inputs, place, item)
@@ -49,6 +49,9 @@ def perform(root: str, items: Sequence[WorkItem], kept: Kept) -> Iterator[Receip
 
 def _perform_one(store: Store, inputs: Inputs, place: int, item: WorkItem) -> Receipt:
     wall, cpu = time.perf_counter(), time.process_time()
+    if store.state(*item.reference) is State.PRESENT:
+        # Since the stage began another run has made it, or a worker that was lost with its receipts.
+        return Receipt(item.stage, item.key)
     failure = None
     try:
         work = work_of(item.stage, code_text(dict(item.parts.code), dict(item.parts.versions)))

@@ -66,7 +66,7 @@ def write_record(
         "outcome": digest,
         "exit_code": exit_code,
         "configuration": plain_config(results.plan.config),
-        "store": str(results.store.root.absolute()),  # the configuration's may be relative to where the run was started
+        "store": results.store.text,  # the configuration's may be relative to where the run was started
         "versions": {
             "riot": metadata.version("riot-shapes"),
             "python": platform.python_version(),

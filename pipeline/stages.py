@@ -10,7 +10,7 @@ from operator import attrgetter
 from typing import Any
 
 from pipeline.artifact import Artifact, canonical_json
-from pipeline.closure import code_digests, library_versions
+from pipeline.closure import code_digests, edited_since_start, library_versions
 from pipeline.config import Config, QcrsConfig
 from pipeline.keys import KeyParts, SharedText, canonical_value
 
@@ -116,7 +116,7 @@ def work_of(stage: str, code: str) -> Work:
     """
     module = BY_NAME[stage].module
     found = importlib.import_module(module)
-    if code_text(code_digests(module), library_versions(module)) != code:
+    if code_text(code_digests(module), library_versions(module)) != code or edited_since_start(module):
         raise RuntimeError(
             f"the code of stage {stage} is not the code that the run was planned with: "
             "it changed after the start, or the workers have another version; start the run again"

@@ -1,40 +1,35 @@
-"""Store: content-addressed artifacts on a file system; the manifest is the commit.
+"""Store: content-addressed artifacts in a folder or on an object store; the manifest is the commit.
 
-``store/<stage>/<kk>/<key>/payload.bin`` is written first, ``manifest.json`` with the payload's digest last, each
-under a unique name in the same folder, synced, then renamed, and at last the folder is synced. There is no lock: two
-writers of one key write the same payload. Whatever is torn, truncated or altered is a miss with the reason
-``corrupt``, and gets written again.
+``<stage>/<kk>/<key>/payload.bin`` is written first, ``manifest.json`` with the payload's digest last, each whole or
+not at all (`pipeline.places`). Writers do not wait for one another: two of one key write the same payload. Whatever is
+torn, truncated or altered is a miss with the reason ``corrupt``, and gets written again.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
-import mmap
-import os
 import re
-import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from pipeline.artifact import Artifact, canonical_json, decode, encode
 from pipeline.errors import PayloadError
 from pipeline.keys import SCHEMA, KeyParts, digest_bytes
+from pipeline.places.base import Files, Place
+from pipeline.places.choose import open_files
+from pipeline.places.local import TEMPORARY as TEMPORARY  # for whoever writes files beside a store
+from pipeline.places.local import sync_folder as sync_folder
+from pipeline.places.local import write_atomically as write_atomically
 
 PAYLOAD = "payload.bin"
 MANIFEST = "manifest.json"
-TEMPORARY = ".tmp-"
 KEY = re.compile("[0-9a-f]{64}")
-
-MAPPED = 2**18
-"""Payloads of so many bytes are mapped, smaller ones, such as blocks of scores, are read: that costs less."""
-
-CHECKERS = 4
-"""Threads that check artifacts."""
 
 CHECKED = 16
 """Artifacts that a thread checks at a time."""
@@ -62,23 +57,36 @@ class Entry:
 
 @dataclass(frozen=True)
 class Store:
-    """A folder of artifacts. Any number of processes may read and write it at once."""
+    """Artifacts below one place. Any number of processes may read and write it at once."""
 
-    root: Path
+    root: Place
 
-    def folder(self, stage: str, key: str) -> Path:
+    @cached_property
+    def files(self) -> Files:
+        """The files below it; raises `pipeline.errors.StartError` where an object store's client is not installed."""
+        return open_files(self.root)
+
+    @property
+    def text(self) -> str:
+        """Where it is, for processes and records with another working folder (see `pipeline.places.base.place_of`)."""
+        return str(self.root.absolute() if isinstance(self.root, Path) else self.root)
+
+    def folder(self, stage: str, key: str) -> Place:
         """Where the artifact of a key lives, whether it exists or not."""
-        return self.root.joinpath(stage, key[:2], key)
+        return self.root.joinpath(folder_name(stage, key))
 
     def put(self, parts: KeyParts, artifact: Artifact, cost: Mapping[str, float] | None = None) -> str:
         """Write an artifact under the key of ``parts`` and commit it; returns the key.
 
         ``cost`` (seconds, cpu_seconds, peak_mb) is kept in the manifest for estimates; it is no part of the payload.
         """
+        return self.commit(parts, encode(artifact), cost or {})
+
+    def commit(
+        self, parts: KeyParts, payload: bytes | memoryview, cost: Mapping[str, float], accepted: str | None = None
+    ) -> str:
+        """`put` an encoded artifact; ``accepted`` is the key of the artifact that it was taken from, if it was."""
         key = parts.key()
-        folder = self.folder(parts.stage, key)
-        folder.mkdir(parents=True, exist_ok=True)
-        payload = encode(artifact)
         manifest = {
             "schema": SCHEMA,
             "stage": parts.stage,
@@ -88,20 +96,20 @@ class Store:
             "parts": parts.to_json(),
             "cost": dict(cost or {}),
         }
-        _replace(folder / PAYLOAD, payload)
-        _replace(folder / MANIFEST, canonical_json(manifest).encode())
-        # One sync for both names: a crash that kept the manifest's alone leaves a miss, as any other torn artifact.
-        sync_folder(folder)
+        if accepted is not None:
+            manifest["accepted"] = accepted
+        written = {PAYLOAD: bytes(payload), MANIFEST: canonical_json(manifest).encode()}
+        self.files.write(folder_name(parts.stage, key), written)
         return key
 
     def entry(self, stage: str, key: str) -> Entry | None:
         """The manifest of a key; None without one. Raises `PayloadError` when it is damaged."""
         try:
-            raw = (self.folder(stage, key) / MANIFEST).read_bytes()
-        except (FileNotFoundError, NotADirectoryError):
+            raw = self.files.read(f"{folder_name(stage, key)}/{MANIFEST}")
+        except FileNotFoundError:
             return None
         try:
-            data = json.loads(raw)
+            data = json.loads(bytes(raw))
             if data["schema"] != SCHEMA or data["stage"] != stage or data["key"] != key:
                 raise PayloadError(f"manifest of {stage}/{key[:12]} names another artifact or schema")
             return Entry(stage, key, data["digest"], int(data["bytes"]), data["parts"], data["cost"])
@@ -118,7 +126,7 @@ class Store:
             entry = self.entry(stage, key)
             if entry is None:
                 return State.ABSENT, {}
-            self._read(entry).release()
+            self.payload(entry).release()
             return State.PRESENT, entry.cost
         except (PayloadError, OSError):
             return State.CORRUPT, {}
@@ -126,7 +134,7 @@ class Store:
     def check_all(self, references: Sequence[tuple[str, str]]) -> list[tuple[State, Mapping[str, float]]]:
         """`check` each of many (stage, key), in order; several at once, since most of it is waiting and hashing."""
         parts = [references[start : start + CHECKED] for start in range(0, len(references), CHECKED)]
-        with ThreadPoolExecutor(CHECKERS) as threads:
+        with ThreadPoolExecutor(self.files.threads) as threads:
             found = threads.map(lambda part: [self.check(*reference) for reference in part], parts)
             return [one for part in found for one in part]
 
@@ -138,7 +146,7 @@ class Store:
         entry = self.entry(stage, key)
         if entry is None:
             raise KeyError(f"no artifact {stage}/{key} in {self.root}")
-        return decode(self._read(entry))
+        return decode(self.payload(entry))
 
     def entries(self, stage: str | None = None) -> Iterator[Entry]:
         """All committed artifacts whose manifests can be read, in order of stage and key."""
@@ -150,58 +158,27 @@ class Store:
 
     def folders(self, stage: str | None = None) -> Iterator[tuple[str, str]]:
         """(stage, key) of every artifact folder, committed or not, sorted."""
-        if not self.root.is_dir():
-            return
-        for stage_folder in sorted(self.root.iterdir()):
-            if stage_folder.is_dir() and (stage is None or stage_folder.name == stage):
-                for folder in sorted(stage_folder.glob("??/*")):
+        for name in self.files.names("") if stage is None else [stage]:
+            for part in self.files.names(name):
+                for key in self.files.names(f"{name}/{part}"):
                     # Nothing but what `put` makes: whoever tidies a wrong folder must not find artifacts there.
-                    if KEY.fullmatch(folder.name) and folder.name.startswith(folder.parent.name) and folder.is_dir():
-                        yield stage_folder.name, folder.name
+                    if KEY.fullmatch(key) and key[:2] == part:
+                        yield name, key
 
-    def _read(self, entry: Entry) -> memoryview:
-        path = self.folder(entry.stage, entry.key) / PAYLOAD
+    def payload(self, entry: Entry) -> memoryview:
+        """The bytes of a committed artifact; raises `PayloadError` when they are not what its manifest says."""
+        where = f"{entry.stage}/{entry.key[:12]}"
         try:
-            with path.open("rb") as stream:
-                size = os.fstat(stream.fileno()).st_size
-                if size != entry.size:
-                    raise PayloadError(f"{entry.stage}/{entry.key[:12]}: {size} bytes, {entry.size} expected")
-                if size < MAPPED:
-                    view = memoryview(stream.read())
-                else:
-                    view = memoryview(mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ))
+            view = self.files.read(f"{folder_name(entry.stage, entry.key)}/{PAYLOAD}")
         except FileNotFoundError as error:
-            raise PayloadError(f"{entry.stage}/{entry.key[:12]}: the payload is missing") from error
+            raise PayloadError(f"{where}: the payload is missing") from error
+        if len(view) != entry.size:
+            raise PayloadError(f"{where}: {len(view)} bytes, {entry.size} expected")
         if digest_bytes(view) != entry.digest:
-            raise PayloadError(f"{entry.stage}/{entry.key[:12]}: the payload was altered")
+            raise PayloadError(f"{where}: the payload was altered")
         return view
 
 
-def write_atomically(path: Path, data: bytes) -> None:
-    """Write a file so that readers see the old one, the new one or none, and a crash leaves no torn one."""
-    _replace(path, data)
-    sync_folder(path.parent)
-
-
-def _replace(path: Path, data: bytes) -> None:
-    temporary = path.with_name(f"{TEMPORARY}{uuid.uuid4().hex}")
-    try:
-        with temporary.open("wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
-        raise
-
-
-def sync_folder(folder: Path) -> None:
-    """Make renames in a folder durable, where the file system can."""
-    with contextlib.suppress(OSError):
-        descriptor = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+def folder_name(stage: str, key: str) -> str:
+    """The folder of an artifact below the store's place."""
+    return f"{stage}/{key[:2]}/{key}"

@@ -14,7 +14,8 @@ from hypothesis.extra import numpy as npst
 from pipeline.artifact import Artifact, decode, encode
 from pipeline.errors import PayloadError
 from pipeline.keys import KeyParts
-from pipeline.store import CHECKED, MANIFEST, MAPPED, PAYLOAD, TEMPORARY, State, Store
+from pipeline.places.local import MAPPED
+from pipeline.store import CHECKED, MANIFEST, PAYLOAD, TEMPORARY, State, Store
 
 names = st.text(alphabet="abcdefg_", min_size=1, max_size=6)
 values = npst.arrays(
