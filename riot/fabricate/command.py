@@ -15,13 +15,11 @@ from riot.fabricate.errors import FabricationError
 from riot.fabricate.files import check_folder, write_puzzle
 from riot.fabricate.model import Design
 from riot.fabricate.parameters import ALLOWED, FabricationParameters
+from riot.texture.names import PATTERNS, SIDES
 from riot.transform import Transform
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
-
-PATTERNS = ("bands", "stripes", "checks")
-"""Those of `riot.fabricate.texture`, which takes long to import."""
 
 More = Callable[[Design], Sequence[Callable[[Path], None]]]
 """What else to write for a design: functions that each write into the folder they are given."""
@@ -54,6 +52,13 @@ def add_print(commands: Commands) -> None:
         "--texture-p", type=Path, metavar="PICTURE", help="paint the front with the picture of the first"
     )
     parser.add_argument("--texture-q", type=Path, metavar="PICTURE", help="paint the back with that of the second")
+    for side in SIDES:
+        parser.add_argument(
+            f"--mask-{side}",
+            type=Path,
+            metavar="PICTURE",
+            help=f"what is object in --texture-{side}, if it is a picture without transparency: one of the same size",
+        )
     parser.add_argument("--pattern", choices=PATTERNS, help="paint sides without a picture with a pattern")
     parser.set_defaults(run=_print)
 
@@ -92,12 +97,15 @@ def _print(chosen: argparse.Namespace) -> int:
     parameters = FabricationParameters(**{name: value for name, value in given.items() if value is not None})
     check_folder(chosen.output)
     # Here, not above: what paints takes a second to import, and every command of riot would wait for it.
-    from riot.fabricate.paperwork import find_textures, write_paperwork
+    from riot.fabricate.paperwork import write_paperwork
+    from riot.texture.paint import find_textures
 
     transform = Transform.load(chosen.file)
-    painted = [chosen.texture_p, chosen.texture_q, chosen.pattern]
-    textures = find_textures(transform, *painted)
-    paper = chosen.paper or chosen.dxf or any(each is not None for each in painted)
+    pictures, masks = (
+        {side: path for side in SIDES if (path := getattr(chosen, f"{name}_{side}"))} for name in ("texture", "mask")
+    )
+    textures = find_textures(transform, pictures, masks, chosen.pattern)
+    paper = chosen.paper or chosen.dxf or bool(textures)
 
     def more(made: Design) -> list[Callable[[Path], None]]:
         def write(folder: Path) -> None:

@@ -21,8 +21,8 @@ from riot.fabricate.model import polygons
 from riot.pose import rotate
 
 if TYPE_CHECKING:
-    from riot.fabricate.texture import ByteArray
     from riot.shape import FloatArray
+    from riot.texture.source import ByteArray
 
 MM_PER_INCH = 25.4
 Anchor = Literal["left", "center", "right"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,34 +10,14 @@ from riot.fabricate.flat import write_flat_files
 from riot.fabricate.page import write_page
 from riot.fabricate.picture import draw_puzzle
 from riot.fabricate.sheets import DOTS_PER_INCH, write_sheets
-from riot.fabricate.texture import Pattern, Texture, pattern_texture, picture_texture
+from riot.texture.names import SIDES
 
 if TYPE_CHECKING:
     from riot.fabricate.model import Design
-    from riot.fabricate.warp import Side
-    from riot.transform import Transform
+    from riot.texture.names import Side
+    from riot.texture.paint import Texture
 
-SIDES: tuple[Side, Side] = ("p", "q")
 SHEETS: Mapping[Side, str] = {"p": "texture-front.pdf", "q": "texture-back.pdf"}
-
-
-def find_textures(
-    transform: Transform,
-    picture_p: str | os.PathLike[str] | None = None,
-    picture_q: str | os.PathLike[str] | None = None,
-    pattern: Pattern | None = None,
-) -> dict[Side, Texture]:
-    """The textures of a transform's sides: from a colour picture where one is given, from a pattern else, or none.
-
-    Errors as `riot.fabricate.texture.picture_texture` and `pattern_texture`.
-    """
-    found: dict[Side, Texture] = {}
-    for side, picture in zip(SIDES, (picture_p, picture_q), strict=True):
-        if picture is not None:
-            found[side] = picture_texture(picture, transform, side)
-        elif pattern is not None:
-            found[side] = pattern_texture(pattern, transform, side)
-    return found
 
 
 def write_paperwork(

@@ -29,9 +29,9 @@ from riot.fabricate.telescope import Ring
 
 if TYPE_CHECKING:
     from riot.fabricate.model import Design
-    from riot.fabricate.texture import Texture
-    from riot.fabricate.warp import Side
     from riot.shape import FloatArray
+    from riot.texture.names import Side
+    from riot.texture.paint import Texture
 
 ELEVATION = math.radians(52.0)
 """Of the eye over the plane."""

@@ -20,12 +20,14 @@ from riot.fabricate.flat import Spot, shelves
 from riot.fabricate.model import polygons
 from riot.fabricate.paper import Frame, Page, new_page, pdf_bytes
 from riot.pose import rotate
+from riot.texture.skins import painted as raster
 
 if TYPE_CHECKING:
     from riot.fabricate.model import Design
-    from riot.fabricate.texture import ByteArray, Texture
-    from riot.fabricate.warp import Side
     from riot.shape import FloatArray
+    from riot.texture.names import Side
+    from riot.texture.paint import Texture
+    from riot.texture.source import ByteArray
 
 PAPERS = ((210.0, 297.0), (297.0, 420.0), (420.0, 594.0), (594.0, 841.0), (841.0, 1189.0))
 """A4 to A0, upright, mm; the first on which every piece fits is used."""
@@ -132,20 +134,14 @@ def painted(
 ) -> tuple[ByteArray, tuple[float, float, float, float]]:
     """A piece's texture in a region of the paper: (rows, columns, 3) uint8, first row at the top, and its box in mm.
 
-    ``step`` is the size of a pixel in mm; pixels outside the region are white.
+    ``step`` is the size of a pixel in mm (`riot.texture.skins.painted`).
     """
-    x0, y0, x1, y1 = region.bounds
-    columns, rows = int(np.ceil((x1 - x0) / step)), int(np.ceil((y1 - y0) / step))
-    x, y = np.meshgrid(x0 + step * (np.arange(columns) + 0.5), y0 + step * (rows - np.arange(rows) - 0.5))
-    points = np.column_stack([x.ravel(), y.ravel()])
-    near = region.buffer(step)
-    shapely.prepare(near)
-    inside = shapely.contains_xy(near, points)
-    pixels = np.full((rows * columns, 3), 255, dtype=np.uint8)
     pose = design.transform.pose(0.0 if side == "p" else 1.0)
-    places = pose.place(index, frame.piece(points[inside]) / design.scale)
-    pixels[inside] = texture.colours(index, places, step / design.scale)
-    return pixels.reshape(rows, columns, 3), (x0, y0, x0 + columns * step, y0 + rows * step)
+
+    def colours(points: FloatArray) -> ByteArray:
+        return texture.colours(index, pose.place(index, frame.piece(points) / design.scale), step / design.scale)
+
+    return raster(region, step, colours)
 
 
 def _words(page: Page, design: Design, side: Side, number: int, count: int) -> None:

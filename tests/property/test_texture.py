@@ -13,21 +13,13 @@ from blobs import blob_polygon
 from PIL import Image
 
 from riot import Shape, SilhouetteError, Transform
-from riot.fabricate.texture import (
-    PATTERNS,
-    PictureTexture,
-    PlainTexture,
-    TextureError,
-    load_picture,
-    pattern_texture,
-    picture_texture,
-)
-from riot.fabricate.warp import Side, Warp, WarpError, make_warp, warp_side
 from riot.groundtruth import exact_pair, exact_transform
 from riot.polyline import signed_area
 from riot.shape import FloatArray
-
-SIDES: tuple[Side, Side] = ("p", "q")
+from riot.texture.names import PATTERNS, SIDES, Side
+from riot.texture.paint import PictureTexture, PlainTexture, pattern_texture, picture_texture
+from riot.texture.source import TextureError, load_picture
+from riot.texture.warp import Warp, WarpError, make_warp, warp_side
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,6 @@ import json
 import struct
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -15,11 +14,9 @@ import trimesh
 from riot.cli import main
 from riot.fabricate import Design, FabricationError, FabricationParameters, design
 from riot.fabricate.certificate import FabricationCertificate, certify
-from riot.fabricate.command import PATTERNS
 from riot.fabricate.files import stl_bytes, write_puzzle
 from riot.fabricate.plates import SPACE_MM, lay_out
 from riot.fabricate.solid import Part, make_parts
-from riot.fabricate.texture import Pattern
 from riot.groundtruth import dudeney, exact_pair, exact_transform
 
 Made = tuple[Design, tuple[Part, ...], FabricationCertificate]
@@ -188,6 +185,3 @@ class TestPrint:
     def test_fixes_it_when_told_to(self, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["print", str(saved), "-o", str(tmp_path / "out"), *SMALL, "--fix"]) == 0
         assert "changed: pin_mm: 1.75 instead of 8" in capsys.readouterr().out
-
-    def test_patterns_are_those_of_textures(self) -> None:
-        assert get_args(Pattern) == PATTERNS

@@ -19,13 +19,14 @@ from riot.fabricate import Design, FabricationParameters, design
 from riot.fabricate.flat import FlatFormatError
 from riot.fabricate.page import write_page
 from riot.fabricate.paper import Frame, Page
-from riot.fabricate.paperwork import find_textures, write_paperwork
+from riot.fabricate.paperwork import write_paperwork
 from riot.fabricate.picture import DOTS_PER_INCH, ELEVATION, draw_puzzle
 from riot.fabricate.sheets import face, painted, sheet_pages, write_sheets
-from riot.fabricate.texture import ByteArray, PlainTexture
-from riot.fabricate.warp import Side
 from riot.groundtruth import exact_pair, exact_transform
 from riot.shape import FloatArray
+from riot.texture.names import Side
+from riot.texture.paint import PlainTexture, find_textures
+from riot.texture.source import ByteArray
 
 SIDES: tuple[Side, Side] = ("p", "q")
 RED = (255, 0, 0)
@@ -200,7 +201,7 @@ def test_other_formats_are_refused(made: Design, tmp_path: Path) -> None:
 
 
 def test_paperwork_is_complete(made: Design, tmp_path: Path) -> None:
-    textures = find_textures(made.transform, pattern="checks")
+    textures = find_textures(made.transform, {}, pattern="checks")
     written = write_paperwork(made, tmp_path, textures, dxf=False, dots_per_inch=60.0)
     assert sorted(written) == sorted(tmp_path.iterdir())
     assert all(path.stat().st_size > 1000 for path in written)
@@ -211,4 +212,4 @@ def test_paperwork_is_complete(made: Design, tmp_path: Path) -> None:
         "assembly.pdf",
         *(f"{what}-{side}.png" for what in ("puzzle", "apart") for side in SIDES),
     }
-    assert not find_textures(made.transform)
+    assert not find_textures(made.transform, {})

@@ -7,7 +7,7 @@ corners, monotonely, near points with near points. Inside, the map is harmonic o
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -21,9 +21,8 @@ from riot.polyline import arc_length, at_length, is_simple
 
 if TYPE_CHECKING:
     from riot.shape import FloatArray, IntArray
+    from riot.texture.names import Side
     from riot.transform import Transform
-
-Side = Literal["p", "q"]
 
 SPACING = 0.022
 """Distance of the triangulation's points, in the unit-area frame: some 2,500 points a shape."""

@@ -7,53 +7,29 @@ texture alike: what is glued or printed on the back is drawn mirrored. Ours.
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol, get_args
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import numpy.typing as npt
 import shapely
-from PIL import Image, ImageColor, ImageDraw
+from PIL import Image, ImageColor
 from scipy import ndimage
 
 from riot.draw.palette import PIECES, hue
-from riot.errors import RiotError
-from riot.fabricate.warp import Side, Warp, warp_side
-from riot.picture import decode
+from riot.texture.names import PATTERNS, SIDES, Pattern, Side
+from riot.texture.source import ByteArray, load_picture
+from riot.texture.warp import Warp, warp_side
 
 if TYPE_CHECKING:
-    from riot.shape import BoolArray, FloatArray, Shape
+    from riot.shape import FloatArray, Shape
     from riot.transform import Transform
-
-ByteArray = npt.NDArray[np.uint8]
-
-Pattern = Literal["bands", "stripes", "checks"]
-PATTERNS: tuple[Pattern, ...] = get_args(Pattern)
 
 PATTERN_WIDTH = 0.06
 """Of a band, stripe or check, in the unit-area frame."""
 
-MAX_PIXELS = 64_000_000
-"""A picture with more pixels is refused."""
-
-LEAST_MATCH = 0.9
-"""Least IoU of a picture's opaque part, holes filled, with the shape's outline."""
-
 _TINTS = {"p": ("#f2c14e", "#d1495b"), "q": ("#9bd1c6", "#2e6f95")}
-_CHECK_SIDE = 1024
-
-
-class TextureError(RiotError, ValueError):
-    """A picture that cannot be the texture of a shape; ``reason`` is one word: ``no-alpha`` or ``other-shape``."""
-
-    def __init__(self, reason: str, message: str) -> None:
-        super().__init__(message)
-        self.reason = reason
-
-    def __reduce__(self) -> tuple[type[TextureError], tuple[str, str]]:
-        return type(self), (self.reason, str(self))
 
 
 class Texture(Protocol):
@@ -165,14 +141,37 @@ class PictureTexture:
         return np.asarray(Image.fromarray(self.pixels).reduce(factor)) if factor > 1 else self.pixels
 
 
-def picture_texture(path: str | os.PathLike[str], transform: Transform, side: Side) -> PictureTexture:
+def find_textures(
+    transform: Transform,
+    pictures: Mapping[Side, str | os.PathLike[str]],
+    masks: Mapping[Side, str | os.PathLike[str]] | None = None,
+    pattern: Pattern | None = None,
+) -> dict[Side, Texture]:
+    """The textures of a transform's sides: from a colour picture where one is given, from a pattern else, or none.
+
+    ``masks`` are for pictures without transparency (`riot.texture.source.load_picture`). Errors as `picture_texture`
+    and `pattern_texture`.
+    """
+    masks = masks or {}
+    found: dict[Side, Texture] = {}
+    for side in SIDES:
+        if side in pictures:
+            found[side] = picture_texture(pictures[side], transform, side, masks.get(side))
+        elif pattern is not None:
+            found[side] = pattern_texture(pattern, transform, side)
+    return found
+
+
+def picture_texture(
+    path: str | os.PathLike[str], transform: Transform, side: Side, mask: str | os.PathLike[str] | None = None
+) -> PictureTexture:
     """The texture of the assembled P (side "p") or Q ("q") from a colour picture of the input.
 
-    Raises `TextureError` and `riot.errors.SilhouetteError` as `load_picture`, `riot.fabricate.warp.WarpError` for a
-    transform without certificate.
+    Raises `riot.texture.source.TextureError` and `riot.errors.SilhouetteError` as `riot.texture.source.load_picture`,
+    `riot.texture.warp.WarpError` for a transform without certificate.
     """
     shape = transform.p if side == "p" else transform.q
-    return PictureTexture(load_picture(path, shape), shape, warp_side(transform, side))
+    return PictureTexture(load_picture(path, shape, mask), shape, warp_side(transform, side))
 
 
 def pattern_texture(pattern: Pattern, transform: Transform, side: Side) -> PatternTexture:
@@ -181,58 +180,6 @@ def pattern_texture(pattern: Pattern, transform: Transform, side: Side) -> Patte
         raise ValueError(f"there is no pattern {pattern!r}: choose {', '.join(PATTERNS)}")
     outline = transform.outline_p() if side == "p" else transform.outline_q()
     return PatternTexture(pattern, outline, _TINTS[side])
-
-
-def load_picture(path: str | os.PathLike[str], shape: Shape) -> ByteArray:
-    """Read the colour picture of a shape: (rows, columns, 3) uint8.
-
-    Transparent pixels get the colour of the nearest opaque one, so that nothing of a background shows at the rim.
-
-    Raises
-    ------
-    riot.errors.SilhouetteError
-        ``unreadable``, ``not-a-picture``, ``too-large``, as `riot.picture.decode`.
-    TextureError
-        ``no-alpha``: the picture does not say by transparency what is object. ``other-shape``: its opaque part is not
-        where the shape's outline is: another size than the picture the shape was read from, or another picture.
-    """
-    where = Path(path)
-    if not decode(where, MAX_PIXELS).opaque_object:
-        raise TextureError(
-            "no-alpha",
-            f"{where}: the picture has no transparent part, so that the object cannot be told from its background; "
-            "save it as PNG with a transparent background",
-        )
-    with Image.open(where) as image:
-        rgba = np.asarray(image.convert("RGBA"))
-    opaque = rgba[..., 3] >= 128
-    _refuse_other(where, opaque, shape)
-    nearest = ndimage.distance_transform_edt(~opaque, return_distances=False, return_indices=True)
-    filled: ByteArray = np.ascontiguousarray(rgba[nearest[0], nearest[1], :3])
-    return filled
-
-
-def _refuse_other(where: Path, opaque: BoolArray, shape: Shape) -> None:
-    """Refuse a picture whose opaque part is not the shape in its own place."""
-    outline = shape.source(shape.points)
-    wanted = np.ptp(outline, axis=0)
-    rows, columns = np.flatnonzero(opaque.any(axis=1)), np.flatnonzero(opaque.any(axis=0))
-    found = (int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1) if len(rows) else (0, 0)
-    factor = max(1, max(opaque.shape) // _CHECK_SIDE)
-    thin = ndimage.binary_fill_holes(opaque[factor // 2 :: factor, factor // 2 :: factor])
-    canvas = Image.new("1", (thin.shape[1], thin.shape[0]))
-    ImageDraw.Draw(canvas).polygon([(x, y) for x, y in ((outline - factor // 2) / factor).tolist()], fill=1)
-    drawn = np.asarray(canvas, dtype=np.bool_)
-    union = int((thin | drawn).sum())
-    if union and int((thin & drawn).sum()) >= LEAST_MATCH * union:
-        return
-    who = shape.name or "the shape"
-    raise TextureError(
-        "other-shape",
-        f"{where}: its object is {found[0]} × {found[1]} pixels, and {who} was read from one of "
-        f"{wanted[0]:.0f} × {wanted[1]:.0f}, or elsewhere in its picture, or of another outline; "
-        "give the same picture, with colours, in the same size",
-    )
 
 
 def _soft(waves: FloatArray, step: float) -> FloatArray:

@@ -1,0 +1,1 @@
+"""Texture: pictures of the inputs, or patterns, carried into the pieces (theory §9). Ours."""
