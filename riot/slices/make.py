@@ -14,12 +14,10 @@ import numpy as np
 
 from riot.construct.choose import construct_plans
 from riot.errors import RiotError, SilhouetteError
-from riot.fabricate.certificate import FabricationCertificate, Fixed, certify, fix
-from riot.fabricate.design import design
+from riot.fabricate.certificate import FabricationCertificate, Fixed, build, fix
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.parameters import ALLOWED, FabricationParameters
 from riot.fabricate.plates import lay_out
-from riot.fabricate.solid import make_parts
 from riot.parameters import ConstructParameters, ShapeParameters
 from riot.polyline import extent
 from riot.shape import Shape
@@ -206,9 +204,7 @@ def _fixed(transform: Transform, parameters: FabricationParameters, mend: bool) 
                 larger * parameters.size_mm,
             )
         return made
-    drawn = design(transform, parameters)
-    parts = make_parts(drawn)
-    certificate = certify(drawn, parts)
-    if not certificate.passed:
-        raise FabricationError("uncertified", "; ".join(certificate.failures))
-    return Fixed(drawn, parts, certificate, ())
+    made = build(transform, parameters)
+    if not made.certificate.passed:
+        raise FabricationError("uncertified", "; ".join(made.certificate.failures))
+    return made
