@@ -1,4 +1,4 @@
-"""The command ``riot``: what `riot.cli` does, and ``riot match A --in RUN`` in a mined collection.
+"""The command ``riot``: what `riot.cli` does, and in a mined collection ``riot match A --in RUN`` and ``riot slices``.
 
 Exit codes of ``match``: 0 partners found, 1 none (a shape without trunks, or none that fits), 2 could not be done.
 """
@@ -19,6 +19,7 @@ from rich.table import Table
 import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
 from pipeline.match import Match, Mined, Query, match, open_mined, read_query
 from pipeline.places.base import place_of
+from pipeline.slices import add_collection
 from riot import cli
 from riot.kernels.warm import warm_all
 
@@ -29,7 +30,7 @@ FORMAT, VERSION = "riot-match", 1
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code."""
-    return cli.main(arguments, [_add_match])
+    return cli.main(arguments, [_add_match, add_collection])
 
 
 def run_match(chosen: argparse.Namespace) -> int:

@@ -24,7 +24,7 @@ from pipeline.store import Entry, Store
 from riot.index import TrunkIndex, best_partners
 from riot.quick import BlockScores, TrunkStack, stack
 from riot.reversibility import reversibility
-from riot.shape import IntArray
+from riot.shape import IntArray, Shape
 from riot.silhouette import read
 from riot.trunks import Trunks, compared_trunks
 
@@ -130,12 +130,16 @@ def read_query(mined: Mined, path: Path) -> Query:
     Raises `riot.errors.SilhouetteError`, or OSError when there is no such file.
     """
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    trunks = trunks_as_mined(mined, read(path, mined.config.shape))
+    return Query(path.stem, digest, trunks, stack([trunks]))
+
+
+def trunks_as_mined(mined: Mined, shape: Shape) -> Trunks:
+    """The trunks of a shape, found as the collection's were."""
     config = mined.config
-    shape = read(path, config.shape)
-    trunks = compared_trunks(
+    return compared_trunks(
         shape, config.qcrs.variant, config.trunks, lambda: reversibility(shape, config.reversibility)
     )
-    return Query(path.stem, digest, trunks, stack([trunks]))
 
 
 def match(mined: Mined, index: TrunkIndex, query: Query, count: int) -> Match:
