@@ -1,21 +1,27 @@
-"""Clusters: where tasks run. One function opens any of them; all three write the same bytes."""
+"""Clusters: where tasks run. One function opens any of them; all write the same bytes."""
 
 from __future__ import annotations
 
 import contextlib
 import logging
 import os
+import shutil
 import signal
+import sys
 import threading
+import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
+from pipeline.admission import Admission
 from pipeline.config import ClusterConfig
 from pipeline.errors import StartError
+from pipeline.events import Listener, Note
 from pipeline.inputs import Kept
 from pipeline.perform import Failure, Receipt, perform
+from pipeline.places.base import Place
 from pipeline.plan import WorkItem
 from pipeline.threads import ONE_THREAD
 
@@ -25,6 +31,9 @@ MAX_ATTEMPTS = 3
 
 PATIENCE = 10
 """Seconds without a result after which missing workers are looked for, and that receipts may take to arrive."""
+
+BETWEEN_LOOKS = 1
+"""Seconds between looks for workers while there is none."""
 
 
 class Executor(Protocol):
@@ -38,20 +47,25 @@ class Executor(Protocol):
         """Yield the receipt of every work item as soon as it is there."""
 
 
+def _say_nothing(_event: object) -> None:
+    pass
+
+
 @contextlib.contextmanager
-def open_cluster(config: ClusterConfig) -> Iterator[Executor]:
+def open_cluster(
+    config: ClusterConfig, root: Place | None = None, listen: Listener = _say_nothing
+) -> Iterator[Executor]:
     """Open the cluster that the configuration names and close it afterwards.
 
-    Raises `StartError` when an external scheduler cannot be reached.
+    Workers of a cluster beyond this machine must see the folder ``root``, the store; ``listen`` is told of those that
+    are refused. Raises `StartError` when the cluster cannot be reached or none of its workers will do.
     """
     if config.kind == "sync":
         yield Here()
-    elif config.kind == "local":
-        with _local(config) as executor:
-            yield executor
-    else:
-        with _external(config) as executor:
-            yield executor
+        return
+    opened = {"local": _local, "external": _external, "slurm": _slurm}[config.kind]
+    with opened(config, root, listen) as executor:
+        yield executor
 
 
 class Here:
@@ -77,20 +91,36 @@ def perform_on_worker(root: str, bundle: Bundle) -> list[Receipt]:
 
 
 @dataclass(frozen=True)
+class _Task:
+    """A bundle that was submitted, for which time, and the workers that may do it; None = any."""
+
+    bundle: Bundle
+    attempt: int
+    among: frozenset[str] | None
+
+
+@dataclass(frozen=True)
 class OnDask:
     """On a Dask cluster, with a bounded window of futures: the scheduler holds keys and receipts, never geometry.
 
-    ``revive`` is called whenever nothing has come for a while: it may start workers where some are missing.
+    ``revive`` is called whenever nothing has come for a while: it may start workers where some are missing. With
+    ``admission`` only workers that it admits get tasks.
     """
 
     client: Any
     task: Callable[[str, Bundle], list[Receipt]] = perform_on_worker
     revive: Callable[[], None] = lambda: None
+    admission: Admission | None = None
 
     @property
     def workers(self) -> int:
-        """Threads of all workers."""
-        return max(1, sum(int(threads) for threads in self.client.nthreads().values()))
+        """Threads of all workers that may get tasks."""
+        return max(1, sum(self._threads().values()))
+
+    def _threads(self) -> dict[str, int]:
+        if self.admission is not None:
+            return self.admission.threads()
+        return {address: int(threads) for address, threads in self.client.nthreads().items()}
 
     def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
         """See `Executor.run`.
@@ -98,47 +128,61 @@ class OnDask:
         A task whose worker was lost is tried again once all others are done, with nothing beside it, so that one that
         kills its worker takes no other with it; at last item by item, and given up after `MAX_ATTEMPTS`.
         """
-        from distributed import wait
-
         waiting = deque(bundles)
         suspects: deque[tuple[Bundle, int]] = deque()
-        running: dict[Any, tuple[Bundle, int]] = {}
+        running: dict[Any, _Task] = {}
 
-        def submit(bundle: Bundle, attempt: int) -> None:
+        def submit(bundle: Bundle, attempt: int, threads: dict[str, int]) -> None:
+            among = None if self.admission is None else frozenset(threads)
             name = f"{bundle[0].stage}-{bundle[0].key}-{attempt}"
-            future = self.client.submit(self.task, root, tuple(bundle), key=name, pure=False)
-            running[future] = (bundle, attempt)
+            workers = None if among is None else sorted(among)
+            future = self.client.submit(self.task, root, tuple(bundle), key=name, pure=False, workers=workers)
+            running[future] = _Task(bundle, attempt, among)
 
         def fill() -> None:
-            while waiting and len(running) < 2 * self.workers + 2:
-                submit(waiting.popleft(), 1)
+            threads = self._threads()
+            if self.admission is not None and not threads:
+                return
+            while waiting and len(running) < 2 * max(1, sum(threads.values())) + 2:
+                submit(waiting.popleft(), 1, threads)
             if suspects and not running:
-                submit(*suspects.popleft())
+                submit(*suspects.popleft(), threads)
 
         fill()
         try:
-            while running:
-                try:
-                    ended = wait(list(running), timeout=PATIENCE, return_when="FIRST_COMPLETED").done
-                except TimeoutError:
+            while running or waiting or suspects:
+                ended = self._ended(running)
+                if not ended:
                     self.revive()
-                    continue
                 for future in ended:
-                    bundle, attempt = running.pop(future)
+                    of = running.pop(future)
                     receipts = _receipts(future)
                     if receipts is not None:
                         yield from receipts
-                    elif attempt + 1 < MAX_ATTEMPTS:
-                        suspects.append((bundle, attempt + 1))
-                    elif attempt < MAX_ATTEMPTS:
-                        suspects.extend(([item], attempt + 1) for item in bundle)
+                    elif of.attempt + 1 < MAX_ATTEMPTS:
+                        suspects.append((of.bundle, of.attempt + 1))
+                    elif of.attempt < MAX_ATTEMPTS:
+                        suspects.extend(([item], of.attempt + 1) for item in of.bundle)
                     else:
-                        failure = _failure(future, attempt)
-                        yield from (Receipt(item.stage, item.key, failure=failure) for item in bundle)
+                        failure = _failure(future, of.attempt)
+                        yield from (Receipt(item.stage, item.key, failure=failure) for item in of.bundle)
                     future.release()
                 fill()
         finally:
             self.client.cancel(list(running))
+
+    def _ended(self, running: Mapping[Any, _Task]) -> list[Any]:
+        """Wait for tasks to end; after a while without one, those that no worker is left for."""
+        from distributed import wait
+
+        if not running:
+            time.sleep(BETWEEN_LOOKS)
+            return []
+        try:
+            return list(wait(list(running), timeout=PATIENCE, return_when="FIRST_COMPLETED").done)
+        except TimeoutError:
+            threads = self._threads()
+            return [one for one, of in running.items() if of.among is not None and of.among.isdisjoint(threads)]
 
 
 def _receipts(future: Any) -> list[Receipt] | None:
@@ -161,7 +205,7 @@ def _failure(future: Any, attempts: int) -> Failure:
 
 
 @contextlib.contextmanager
-def _local(config: ClusterConfig) -> Iterator[Executor]:
+def _local(config: ClusterConfig, _root: Place | None, _listen: Listener) -> Iterator[Executor]:
     from distributed import Client, LocalCluster
 
     _quiet()
@@ -197,7 +241,7 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _external(config: ClusterConfig) -> Iterator[Executor]:
+def _external(config: ClusterConfig, root: Place | None, listen: Listener) -> Iterator[Executor]:
     from distributed import Client
 
     _quiet()
@@ -209,14 +253,67 @@ def _external(config: ClusterConfig) -> Iterator[Executor]:
             "start one with `dask scheduler` and workers with `dask worker`, or use cluster=local"
         ) from error
     with client:
-        try:
-            client.wait_for_workers(1, timeout=config.wait)
-        except TimeoutError as error:
+        yield _admitting(client, config, root, listen, f"start some with `dask worker {config.address}`")
+
+
+@contextlib.contextmanager
+def _slurm(config: ClusterConfig, root: Place | None, listen: Listener) -> Iterator[Executor]:
+    from distributed import Client
+
+    _quiet()
+    if shutil.which("sbatch") is None:
+        raise StartError("cluster=slurm: there is no `sbatch` here; start the run on a machine that submits Slurm jobs")
+    with slurm_cluster(config) as cluster, Client(cluster) as client:
+        cluster.scale(jobs=config.jobs)
+        executor = _admitting(client, config, root, listen, "look at `squeue`")
+        # Jobs end with their time; scaling to the same number submits others.
+        yield replace(executor, revive=lambda: cluster.scale(jobs=config.jobs))
+
+
+def slurm_cluster(config: ClusterConfig) -> Any:
+    """The jobs of ``cluster=slurm`` and their scheduler, which runs in this process; no job is submitted yet.
+
+    Raises `StartError` without dask-jobqueue.
+    """
+    try:
+        from dask_jobqueue import SLURMCluster
+    except ImportError as error:
+        raise StartError("cluster=slurm needs dask-jobqueue: pip install 'riot-shapes[slurm]'") from error
+    workers = config.workers or 1
+    return SLURMCluster(
+        cores=workers,
+        processes=workers,
+        memory=config.memory,
+        walltime=config.walltime,
+        queue=config.queue,
+        account=config.account,
+        interface=config.interface,
+        log_directory=config.logs,
+        job_extra_directives=list(config.options),
+        job_script_prologue=[f"export {name}={value}" for name, value in ONE_THREAD.items()],
+        # The scheduler ends a job; a limit on memory would kill workers by the machine's size.
+        worker_extra_args=["--memory-limit", "0"],
+        python=sys.executable,
+        scheduler_options={"dashboard_address": ":8787" if config.dashboard else ":0"},
+    )
+
+
+def _admitting(client: Any, config: ClusterConfig, root: Place | None, listen: Listener, hint: str) -> OnDask:
+    """An executor on the client's workers that will do, as soon as there is one; ``hint``: how to get workers."""
+    admission = Admission(client, root, lambda text: listen(Note(text)))
+    until = time.monotonic() + config.wait
+    while not admission.threads():
+        if time.monotonic() < until:
+            time.sleep(min(BETWEEN_LOOKS, config.wait / 4))
+        elif admission.refusals:
+            raise StartError("cluster: none of its workers will do\n  " + "\n  ".join(admission.refusals))
+        else:
+            where = config.address or f"cluster={config.kind}"
             raise StartError(
-                f"cluster.address={config.address}: the scheduler has no worker after {config.wait} s; start some with "
-                f"`dask worker {config.address}`, or wait longer with cluster.wait=SECONDS"
-            ) from error
-        yield OnDask(client)
+                f"cluster.address={where}: the scheduler has no worker after {config.wait} s; {hint}, or wait longer "
+                "with cluster.wait=SECONDS"
+            )
+    return OnDask(client, admission=admission)
 
 
 def _quiet() -> None:

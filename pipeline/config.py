@@ -74,7 +74,6 @@ class SelectConfig:
 
 
 @dataclass(frozen=True)
-@dataclass(frozen=True)
 class FabricateConfig(FabricationParameters):
     """Puzzles of the best transforms: sizes and clearances in mm, which of them are made, and what is written."""
 
@@ -98,18 +97,34 @@ class FabricateConfig(FabricationParameters):
         )
 
 
+@dataclass(frozen=True)
 class ClusterConfig:
     """Where the work runs; never part of a key."""
 
-    kind: Literal["local", "sync", "external"] = "local"
+    kind: Literal["local", "sync", "external", "slurm"] = "local"
     workers: int | None = None
-    """Worker processes of ``local``; null = one for each CPU."""
+    """Worker processes of ``local``, null = one for each CPU; of each job of ``slurm``, null = one."""
     address: str | None = None
     """Scheduler of ``external``, such as tcp://host:8786."""
     wait: int = 30
-    """Seconds that ``external`` waits for the scheduler and its first worker."""
+    """Seconds that ``external`` waits for the scheduler and its first worker, ``slurm`` for its first job."""
     dashboard: bool = False
-    """Serve Dask's dashboard (``local``)."""
+    """Serve Dask's dashboard (``local``, ``slurm``)."""
+    jobs: int = 1
+    """Slurm jobs; this and all that follows is for ``slurm``."""
+    memory: str = "4GB"
+    """Of a job, for all its workers."""
+    walltime: str = "01:00:00"
+    """After which a job ends, and another takes its place."""
+    queue: str | None = None
+    """Partition; null = the cluster's own choice, as of the account."""
+    account: str | None = None
+    interface: str | None = None
+    """Network interface by which scheduler and workers see one another, such as ib0; null = the machine's first."""
+    logs: str | None = None
+    """Folder for what the jobs print; null = where the run was started."""
+    options: tuple[str, ...] = ()
+    """Further options of sbatch, such as ``--qos=long``."""
 
 
 @dataclass(frozen=True)
@@ -133,8 +148,8 @@ class Config:
     refine: RefineParameters = field(default_factory=RefineParameters)
     construct: ConstructParameters = field(default_factory=ConstructParameters)
     motion: MotionParameters = field(default_factory=MotionParameters)
-    select: SelectConfig = field(default_factory=SelectConfig)
     fabricate: FabricateConfig = field(default_factory=FabricateConfig)
+    select: SelectConfig = field(default_factory=SelectConfig)
     cluster: ClusterConfig = field(default_factory=ClusterConfig)
     plan: bool = False
     """Show what would run, and stop."""
@@ -226,6 +241,10 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
         if value not in allowed or isinstance(value, bool):
             raise ConfigError(f"{where}: {value!r} is not allowed; choose one of {', '.join(map(str, allowed))}")
         return value
+    if origin is tuple:
+        if not isinstance(value, list | tuple):
+            raise ConfigError(f"{where}: expected a list such as [a,b], got {value!r}")
+        return tuple(_convert(typing.get_args(hint)[0], one, f"{where}[{place}]") for place, one in enumerate(value))
     if dataclasses.is_dataclass(hint):
         if not isinstance(value, Mapping):
             raise ConfigError(f"{where}: expected a group of parameters, got {value!r}")
@@ -278,6 +297,8 @@ def _check_ranges(config: Config) -> None:
         raise ConfigError(f"compare: must be 0 or more, got {config.compare}")
     if config.cluster.workers is not None and config.cluster.workers < 1:
         raise ConfigError(f"cluster.workers: must be 1 or more, or null, got {config.cluster.workers}")
+    if config.cluster.jobs < 1:
+        raise ConfigError(f"cluster.jobs: must be 1 or more, got {config.cluster.jobs}")
     for group in sorted(_STAGE_GROUPS):
         parameters = getattr(config, group)
         for f in dataclasses.fields(parameters):

@@ -133,7 +133,7 @@ def open_run(root: Place, cluster: ClusterConfig, prepare: Callable[[], None], l
         def executor() -> Executor:
             if not opened:
                 prepare()
-                opened.append(stack.enter_context(open_cluster(cluster)))
+                opened.append(stack.enter_context(open_cluster(cluster, root, listen)))
             return opened[0]
 
         yield Run(Store(root), listen, executor)

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
 from distributed import Client
-from small_runs import BAD_START, CLEAN, digests, pictures, run
+from small_runs import BAD_START, CLEAN, command, digests, pictures, run, stages
+
+from pipeline.closure import ROOT
+
+TESTS = Path(__file__).resolve().parent
 
 
 @pytest.fixture(scope="module")
@@ -17,42 +26,119 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return pictures(tmp_path_factory.mktemp("pictures"))
 
 
-def started(*arguments: str, where: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen([sys.executable, "-m", *arguments], cwd=where, stderr=subprocess.DEVNULL)
+@dataclass
+class Deployment:
+    """A scheduler, and groups of workers that come and go."""
+
+    folder: Path
+    address: str = ""
+    started: list[subprocess.Popen[bytes]] = field(default_factory=list)
+
+    @property
+    def file(self) -> str:
+        return str(self.folder / "scheduler.json")
+
+    @property
+    def puts(self) -> Path:
+        return self.folder / "puts"
+
+    def start(self, *arguments: str, source: Path = ROOT) -> subprocess.Popen[bytes]:
+        environment = {**os.environ, "PYTHONPATH": str(source), "PUTS": str(self.puts)}
+        line = [sys.executable, "-m", *arguments, "--scheduler-file", self.file]
+        # In a session of its own, so that a group is killed with its nannies.
+        process = subprocess.Popen(
+            line, cwd=self.folder, env=environment, stderr=subprocess.DEVNULL, start_new_session=True
+        )
+        self.started.append(process)
+        return process
+
+    def workers(self, count: int, source: Path = ROOT) -> subprocess.Popen[bytes]:
+        options = ("--nworkers", str(count), "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1")
+        preload = ("--preload", str(TESTS / "counting_worker.py"))
+        return self.start("distributed.cli.dask_worker", *options, *preload, source=source)
+
+    def wait_for(self, count: int) -> None:
+        with Client(self.address) as client:
+            client.wait_for_workers(count, timeout=60)
+
+
+def kill(process: subprocess.Popen[bytes]) -> None:
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 @pytest.fixture
-def scheduler(tmp_path: Path) -> Iterator[tuple[str, Path]]:
-    """Address and scheduler file of a scheduler without workers."""
-    file = tmp_path / "scheduler.json"
-    options = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file))
-    process = started("distributed.cli.dask_scheduler", *options, where=tmp_path)
+def deployment(tmp_path: Path) -> Iterator[Deployment]:
+    made = Deployment(tmp_path)
+    made.start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")
     try:
-        with Client(scheduler_file=str(file), timeout=60) as client:
-            yield client.scheduler.address, file
+        with Client(scheduler_file=made.file, timeout=60) as client:
+            made.address = client.scheduler.address
+        yield made
     finally:
-        process.kill()
-        process.wait()
+        for process in reversed(made.started):
+            kill(process)
 
 
-def test_external_workers_write_the_same_bytes(scheduler: tuple[str, Path], root: Path, tmp_path: Path) -> None:
-    address, file = scheduler
-    options = ("--nworkers", "2", "--nthreads", "1", "--no-dashboard", "--scheduler-file", str(file))
-    workers = started("distributed.cli.dask_worker", *options, where=tmp_path)
-    try:
-        with Client(address) as client:
-            client.wait_for_workers(2, timeout=60)
-        done = run(tmp_path / "external", root, "cluster=external", f"cluster.address={address}")
-    finally:
-        workers.kill()
-        workers.wait()
-    assert done.returncode == CLEAN, done.stdout + done.stderr
+@pytest.fixture(scope="module")
+def other_code(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The project with one more line in one module."""
+    folder = tmp_path_factory.mktemp("other")
+    for package in ("riot", "pipeline"):
+        shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
+    with (folder / "riot" / "trunks.py").open("a") as stream:
+        stream.write("\nADDED = 1\n")
+    return folder
+
+
+def run_watched(line: list[str], where: Path, at: dict[str, Callable[[], None]]) -> tuple[int, str]:
+    """A run that has something done when a line of its output begins with a word: its code, and all it said."""
+    where.mkdir()
+    said: list[str] = []
+    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=where) as process:
+        assert process.stdout is not None
+        for text in process.stdout:
+            said.append(text)
+            at.pop(text.split(" ")[0], lambda: None)()
+    return process.returncode, "".join(said)
+
+
+def test_workers_come_and_go_and_the_bytes_are_the_same(
+    deployment: Deployment, other_code: Path, root: Path, tmp_path: Path
+) -> None:
+    first = deployment.workers(2)
+    deployment.workers(1, other_code)
+    deployment.wait_for(3)
+
+    def replace_all() -> None:
+        kill(first)
+        deployment.workers(1)
+
+    where = tmp_path / "external"
+    line = command(where, root, "cluster=external", f"cluster.address={deployment.address}")
+    joining = {"ingest": replace_all, "qcrs": lambda: [deployment.workers(1)], "trunks_full": lambda: None}
+    code, said = run_watched(line, where, joining)
+    assert code == CLEAN, said
+    words = " ".join(said.split())  # lines are wrapped
+    assert "is refused: other code" in words and "code.riot.trunks" in words and not joining
     assert run(tmp_path / "sync", root, "cluster=sync").returncode == CLEAN
-    assert digests(tmp_path / "external") == digests(tmp_path / "sync")
+    assert digests(where) == digests(tmp_path / "sync")
+    written = Counter(deployment.puts.read_text().splitlines())
+    assert set(written.values()) == {1}  # no finished work item was done again
+    counts = Counter(row.split(" ")[0] for row in written)
+    done = stages(where)
+    assert all(counts[name] == done[name]["computed"] for name in ("ingest", "trunks", "qcrs", "crs", "construct"))
 
 
-def test_a_scheduler_without_workers_is_no_start(scheduler: tuple[str, Path], root: Path, tmp_path: Path) -> None:
-    address, _ = scheduler
-    done = run(tmp_path / "idle", root, "cluster=external", f"cluster.address={address}", "cluster.wait=1")
-    assert done.returncode == BAD_START
-    assert "dask worker" in done.stderr
+def test_a_scheduler_without_workers_that_will_do_is_no_start(
+    deployment: Deployment, other_code: Path, root: Path, tmp_path: Path
+) -> None:
+    options = ("cluster=external", f"cluster.address={deployment.address}", "cluster.wait=1")
+    idle = run(tmp_path / "idle", root, *options)
+    assert idle.returncode == BAD_START and "dask worker" in idle.stderr
+    deployment.workers(1, other_code)
+    deployment.wait_for(1)
+    refused = run(tmp_path / "refused", root, *options)
+    assert refused.returncode == BAD_START and "none of its workers will do" in refused.stderr
+    assert "code.riot.trunks" in refused.stderr and not deployment.puts.exists()
