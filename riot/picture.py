@@ -12,6 +12,7 @@ from PIL import Image, UnidentifiedImageError
 
 from riot.errors import SilhouetteError
 from riot.shape import FloatArray
+from riot.untrusted import PICTURE_BYTES, TooManyBytes, check_file
 
 FORMATS = ("PNG", "GIF", "BMP", "TIFF", "JPEG")
 """The decoders that may run: Pillow has others that would start foreign programs."""
@@ -44,8 +45,8 @@ class Picture:
 def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
     """Decode the (first) picture in a PNG, GIF, BMP, TIFF or JPEG file, whatever its suffix says.
 
-    The size is checked in the header, before any pixel is decoded. Pixels are taken as stored (orientation
-    tags are not applied).
+    The size is checked in the header, before any pixel is decoded; of many pictures or frames only the first is.
+    Pixels are taken as stored (orientation tags are not applied).
 
     Raises
     ------
@@ -54,6 +55,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
     """
     where = Path(path)
     try:
+        check_file(where, PICTURE_BYTES)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # max_pixels decides
             with Image.open(where, formats=FORMATS) as image:
@@ -64,6 +66,8 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
                         "scale the picture down or raise max_pixels",
                     )
                 image.load()
+                if not image.width * image.height:
+                    raise _damaged(where, ValueError("no pixels"))
                 return _grey(image)
     except SilhouetteError:
         raise
@@ -73,7 +77,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
             f"{where}: the content is none of {', '.join(FORMATS)}; convert it to PNG, or remove the file "
             "(an SVG file is read by Shape.from_svg)",
         ) from error
-    except Image.DecompressionBombError as error:
+    except (Image.DecompressionBombError, TooManyBytes) as error:
         raise SilhouetteError("too-large", f"{where}: {error}; scale the picture down") from error
     except OSError as error:
         if error.strerror is None:  # what Pillow says of a truncated file

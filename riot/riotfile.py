@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -11,18 +12,26 @@ from typing import Any
 
 import numpy as np
 
+from riot import history
 from riot.errors import FormatError
 from riot.motion.document import from_document, to_document
 from riot.pose import Placement
 from riot.shape import FloatArray, Shape
 from riot.transform import Piece, Transform
+from riot.untrusted import JSON_BYTES, TooManyBytes, read_text
 
 FORMAT = "riot-transform"
 VERSION = 2
-"""Of what is written. Version 2 added the motion, which may be absent."""
+"""Of what is written. Version 2 added the motion, which may be absent, as may the history, which readers may ignore."""
 
 READABLE = (1, 2)
 """Versions that can be read."""
+
+MAX_PIECES = 256
+"""A file with more pieces is refused: some operations look at every two of them."""
+
+MAX_POINTS = 200_000
+"""So is one with more points in all."""
 
 
 def to_json(transform: Transform) -> str:
@@ -47,6 +56,8 @@ def to_json(transform: Transform) -> str:
     }
     if transform.plan is not None:
         found["motion"] = to_document(transform.plan)
+    if transform.history is not None:
+        found["history"] = history.to_document(transform.history)
     return json.dumps(found, ensure_ascii=False, separators=(",", ":"))
 
 
@@ -66,7 +77,7 @@ def from_json(text: str, where: str = "text") -> Transform:
         )
     try:
         return _transform(document)
-    except (KeyError, TypeError, ValueError, IndexError) as error:
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise FormatError(f"{where} is damaged: {type(error).__name__}: {error}") from None
 
 
@@ -86,7 +97,11 @@ def save(transform: Transform, path: str | os.PathLike[str]) -> None:
 
 def load(path: str | os.PathLike[str]) -> Transform:
     """Read a ``.riot`` file; `FormatError` if it is none, FileNotFoundError if it is not there."""
-    return from_json(Path(path).read_text(encoding="utf-8", errors="replace"), str(path))
+    try:
+        text = read_text(Path(path), JSON_BYTES)
+    except TooManyBytes as error:
+        raise FormatError(f"{path} is no .riot file of ours: {error}; construct the transform again") from error
+    return from_json(text, str(path))
 
 
 def _shape_document(shape: Shape) -> dict[str, Any]:
@@ -112,6 +127,13 @@ def _finite(values: Any) -> list[float]:
     return numbers
 
 
+def _bound(value: Any) -> float:
+    bound = float(value)
+    if math.isinf(bound):  # nan where it is not known
+        raise ValueError("a bound of the IoU is not finite")
+    return bound
+
+
 def _piece(document: dict[str, Any]) -> Piece:
     (length,) = _finite([document["length"]])
     lower, upper = _points(document["lower"]), _points(document["upper"])
@@ -126,10 +148,13 @@ def _shape(document: dict[str, Any]) -> Shape:
     feature = np.zeros(len(points), dtype=bool)
     feature[document["feature"]] = True
     to_source = np.asarray(document["to_source"], dtype=np.float64).reshape(2, 3)
+    if not np.isfinite(to_source).all():
+        raise ValueError("a shape's to_source is not finite")
     return Shape(points, feature, str(document["name"]), to_source)
 
 
 def _transform(document: dict[str, Any]) -> Transform:
+    _refuse_size(document)
     pieces = tuple(_piece(piece) for piece in document["pieces"])
     angles, conjugate = np.array(_finite(document["angles"])), np.array(_finite(document["conjugate_angles"]))
     if len(pieces) < 3 or angles.shape != (len(pieces),) or conjugate.shape != angles.shape:
@@ -144,10 +169,22 @@ def _transform(document: dict[str, Any]) -> Transform:
         q=_shape(document["q"]),
         trunk_p=_points(document["trunk_p"]),
         trunk_q=_points(document["trunk_q"]),
-        bound_p=float(document["bound_p"]),
-        bound_q=float(document["bound_q"]),
+        bound_p=_bound(document["bound_p"]),
+        bound_q=_bound(document["bound_q"]),
     )
+    if document.get("history") is not None:
+        made = replace(made, history=history.from_document(document["history"]))
     if document.get("motion") is None:
         return made
     plan = from_document(document["motion"], made.chain, made.place_p, made.place_q)
     return replace(made, plan=plan)
+
+
+def _refuse_size(document: dict[str, Any]) -> None:
+    pieces = document["pieces"]
+    if len(pieces) > MAX_PIECES:
+        raise ValueError(f"{len(pieces)} pieces are more than the limit of {MAX_PIECES}")
+    points = sum(len(piece[side]) for piece in pieces for side in ("lower", "upper"))
+    points += sum(len(document[side]["points"]) for side in "pq")
+    if points > MAX_POINTS:
+        raise ValueError(f"{points} points are more than the limit of {MAX_POINTS}")

@@ -18,6 +18,7 @@ from riot.errors import SilhouetteError
 from riot.parameters import L_C, ShapeParameters
 from riot.picture import Picture, decode
 from riot.shape import BoolArray, FloatArray, Shape
+from riot.tangle import TangleError, refuse_tangles
 
 _FINE_SIDE = 512.0
 """Objects with a greater √area, in pixels, are averaged down: the contour stays finer than the sampling."""
@@ -33,6 +34,9 @@ _THIN = 1e-9
 
 _LONGEST = 32.0
 """So is one with more perimeter than this, in units of ``L_c`` at unit area: its S1 is 0, and its points thousands."""
+
+_MOST_POINTS = 50_000
+"""An outline with more points than this is refused: what follows takes time that may grow with their square."""
 
 _SCALES = (1e-100, 1e100)
 """Coordinates or grey values beyond these overflow when squared; none is meant in earnest."""
@@ -114,7 +118,8 @@ def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParame
     Raises
     ------
     SilhouetteError
-        ``unreadable`` (not numbers), ``degenerate`` (fewer than three places, or no area), ``self-crossing``.
+        ``unreadable`` (not numbers), ``degenerate`` (fewer than three places, or no area), ``self-crossing``,
+        ``too-large``.
     """
     where = name or "the polygon"
     try:
@@ -254,6 +259,10 @@ def _outline_shape(
     y_down: bool,
 ) -> Shape:
     """Sample one closed outline and bring it to the frame of a `Shape`."""
+    if len(points) > _MOST_POINTS:
+        raise SilhouetteError(
+            "too-large", f"{where}: the outline has {len(points)} points, more than {_MOST_POINTS}; simplify it"
+        )
     _refuse_scale(points, where)
     flip = np.array([1.0, -1.0 if y_down else 1.0])
     outline = _simple_outline(points * flip, where)
@@ -299,6 +308,10 @@ def _simple_outline(points: FloatArray, where: str) -> FloatArray:
 
 def _repaired(points: FloatArray, where: str) -> FloatArray:
     """The dominant part of a self-touching outline (holes that it pinches off are filled)."""
+    try:
+        refuse_tangles([points])
+    except TangleError as error:
+        raise SilhouetteError("self-crossing", f"{where}: {error}; give the boundary of one region") from error
     parts = shapely.get_parts(shapely.make_valid(shapely.Polygon(points)))
     regions = [shapely.Polygon(part.exterior) for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
     regions += [

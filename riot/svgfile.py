@@ -1,4 +1,7 @@
-"""SVG file → XML tree that is safe and simple to draw: no declarations, no other files, no hidden content drawn."""
+"""SVG file → XML tree that is safe and simple to draw: no declarations, no other files, no hidden content drawn.
+
+What is no geometry (scripts, text, embedded pictures, animation) is taken out before anything interprets the tree.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +12,33 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from riot.errors import SilhouetteError
+from riot.untrusted import SVG_BYTES, TooManyBytes, read_bytes
 
 NAMESPACE = "http://www.w3.org/2000/svg"
 
-_MAX_BYTES = 20_000_000
 _MAX_DRAWN = 100_000
-"""Elements that may be drawn after all ``<use>`` references are followed."""
+"""Elements, and pairs of coordinates, that may be drawn after all ``<use>`` references are followed."""
+
+_MAX_STYLE = 10_000
+"""Characters of all style sheets together: what interprets them takes time that grows with the square."""
+
+_MAX_ATTRIBUTE = 2_000
+"""Characters of an attribute that holds no path, for the same reason."""
+
+_MAX_ATTRIBUTES = 2_000_000
+"""Characters of all such attributes together."""
+
+_MAX_DIGITS = 64
+"""Digits on end in a number: many times what a coordinate can have."""
 
 _HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
+_GEOMETRY = ("d", "points")
+_FOREIGN = (
+    *("script", "text", "image", "foreignObject", "metadata", "title", "desc", "font", "filter"),
+    *("animate", "animateTransform", "animateMotion", "animateColor", "set", "audio", "video", "iframe"),
+)
 _NOT_DRAWN = ("symbol", "mask", "marker", "clipPath", "pattern", "filter", "linearGradient", "radialGradient")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _OTHER_FILE = re.compile(r"@import|url\(\s*['\"]?\s*(?!['\"]?\s*#)", re.IGNORECASE)
 
 
@@ -31,13 +52,10 @@ def load(path: str | os.PathLike[str]) -> ElementTree.Element:
     """
     where = Path(path)
     try:
-        size = where.stat().st_size
-        if size > _MAX_BYTES:
-            raise SilhouetteError("too-large", f"{where}: {size} bytes are more than {_MAX_BYTES}; simplify the file")
-        data = where.read_bytes()
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character; ours is one, too
-        if isinstance(error, SilhouetteError):
-            raise
+        data = read_bytes(where, SVG_BYTES)
+    except TooManyBytes as error:
+        raise SilhouetteError("too-large", f"{where}: {error}; simplify the file") from error
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
         said = getattr(error, "strerror", error)
         raise SilhouetteError("unreadable", f"{where}: cannot be read ({said}); check the path") from error
     try:
@@ -55,6 +73,8 @@ def load(path: str | os.PathLike[str]) -> ElementTree.Element:
             "unreadable", f"{where}: the XML is no SVG (its root is <{_tag(root)}>); export the drawing as SVG or PNG"
         )
     _refuse_references(root, where)
+    _remove_foreign(root)
+    _refuse_long_text(root, where)
     _refuse_explosions(root, where)
     _refuse_clipping(root, where)
     _hide(root)
@@ -88,6 +108,43 @@ def _refuse_references(root: ElementTree.Element, where: Path) -> None:
             )
 
 
+def _remove_foreign(root: ElementTree.Element) -> None:
+    """Take out what is no geometry, what editors keep under names of their own, and what is no number in ``points``.
+
+    For a broken list of points svgelements would try every way to pair its digits.
+    """
+    for parent in list(root.iter()):
+        for child in [child for child in parent if _tag(child) in _FOREIGN or _space(child.tag) not in ("", NAMESPACE)]:
+            parent.remove(child)
+        for name in [name for name in parent.attrib if _space(name) and name not in _HREFS]:
+            del parent.attrib[name]
+        if "points" in parent.attrib:
+            parent.attrib["points"] = " ".join(_NUMBER.findall(parent.attrib["points"]))
+
+
+def _refuse_long_text(root: ElementTree.Element, where: Path) -> None:
+    style = total = 0
+    for element in root.iter():
+        style += len("".join(element.itertext())) if _tag(element) == "style" else 0
+        for key, value in element.attrib.items():
+            if key in _GEOMETRY:
+                long = re.search(f"[0-9]{{{_MAX_DIGITS + 1}}}", value) is not None
+                limit = f"a number of more than {_MAX_DIGITS} digits"
+            else:
+                total += len(value)
+                long = len(value) > _MAX_ATTRIBUTE
+                limit = f"more than {_MAX_ATTRIBUTE} characters"
+            if long:
+                raise SilhouetteError(
+                    "too-large", f"{where}: {key} of <{_tag(element)}> has {limit}; save as plain SVG, or simplify"
+                )
+    if style > _MAX_STYLE or total > _MAX_ATTRIBUTES:
+        what, most = ("style sheets have", _MAX_STYLE) if style > _MAX_STYLE else ("attributes have", _MAX_ATTRIBUTES)
+        raise SilhouetteError(
+            "too-large", f"{where}: {what} more than {most} characters in all; save as plain SVG, or simplify"
+        )
+
+
 def _refuse_explosions(root: ElementTree.Element, where: Path) -> None:
     """Count what ``<use>`` would draw: a few nested references can ask for billions of elements."""
     named = {element.attrib["id"]: element for element in root.iter() if "id" in element.attrib}
@@ -99,7 +156,7 @@ def _refuse_explosions(root: ElementTree.Element, where: Path) -> None:
             raise SilhouetteError("unsupported", f"{where}: a <use> refers to itself; delete it")
         if element not in counts:
             open_now.add(element)
-            total = 1 + sum(count(child) for child in element)
+            total = 1 + _pairs(element) + sum(count(child) for child in element)
             if _tag(element) == "use":
                 targets = [element.attrib[key].strip()[1:] for key in _HREFS if key in element.attrib]
                 total += sum(count(named[target]) for target in targets if target in named)
@@ -112,7 +169,14 @@ def _refuse_explosions(root: ElementTree.Element, where: Path) -> None:
     except RecursionError as error:
         raise SilhouetteError("unsupported", f"{where}: elements are nested too deeply; flatten the file") from error
     if total > _MAX_DRAWN:
-        raise SilhouetteError("too-large", f"{where}: {total} elements are more than {_MAX_DRAWN}; simplify the file")
+        raise SilhouetteError(
+            "too-large", f"{where}: {total} elements and points are more than {_MAX_DRAWN}; simplify the drawing"
+        )
+
+
+def _pairs(element: ElementTree.Element) -> int:
+    """How many points an element's geometry has, about: half its numbers."""
+    return sum(len(_NUMBER.findall(element.attrib.get(key, ""))) for key in _GEOMETRY) // 2
 
 
 def _refuse_clipping(root: ElementTree.Element, where: Path) -> None:
@@ -142,6 +206,10 @@ def _hide(root: ElementTree.Element) -> None:
                 wrapper = ElementTree.Element(f"{{{NAMESPACE}}}defs")
                 wrapper.append(child)
                 parent[place] = wrapper
+
+
+def _space(name: str) -> str:
+    return name.rpartition("}")[0].removeprefix("{")
 
 
 def _tag(element: ElementTree.Element) -> str:

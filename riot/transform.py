@@ -19,6 +19,7 @@ from riot.shape import FloatArray, Shape
 
 if TYPE_CHECKING:
     from riot.certify import Certificate, Deformation
+    from riot.history import History
     from riot.motion import Motion
 
 
@@ -67,6 +68,10 @@ class Transform:
         ``trunk_p`` counter-clockwise, ``trunk_q`` clockwise.
     bound_p, bound_q : float
         The highest IoU with the inputs that an exact construction on these conjugate trunks can have (theory §8).
+    plan : Motion, optional
+        How the pieces swing, where that is planned already; see `motion`.
+    history : History, optional
+        From which pictures, by which parameters, code and libraries it was made.
     """
 
     pieces: tuple[Piece, ...]
@@ -81,6 +86,7 @@ class Transform:
     bound_p: float = math.nan
     bound_q: float = math.nan
     plan: Motion | None = None
+    history: History | None = None
 
     def __len__(self) -> int:
         return len(self.pieces)

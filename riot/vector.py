@@ -22,6 +22,8 @@ import svgelements
 from riot.errors import SilhouetteError
 from riot.shape import FloatArray
 from riot.svgfile import NAMESPACE, load
+from riot.tangle import TangleError, refuse_tangles
+from riot.untrusted import PICTURE_BYTES, check_file
 
 _FLATNESS = 1e-4
 """Curves are replaced by chords within this share of the view's longer side."""
@@ -32,18 +34,32 @@ _WHOLE = 0.99
 _SAME_COLOUR = 0.1
 """Colours nearer than this share of black-to-white are the same."""
 
+_MAX_POINTS = 200_000
+"""Vertices of a drawing once its curves are flattened."""
+
+_MAX_TURNS = 200_000_000
+"""Faces times vertices of one element whose windings are counted."""
+
+_AT_ONCE = 2_000_000
+"""Of these, so many are held at a time."""
+
 _Colour = tuple[float, float, float]
 
 
 def looks_like_svg(path: str | os.PathLike[str]) -> bool:
     """Whether a file's first bytes are those of XML; its suffix does not count. False when it cannot be opened."""
     try:
+        check_file(Path(path), PICTURE_BYTES)
         with Path(path).open("rb") as file:
             head = file.read(64)
-    except (OSError, ValueError):  # ValueError: a path with a null character
+    except (OSError, ValueError):  # ValueError: too many bytes, or a path with a null character
         return False
     text = head.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # byte-order marks, UTF-16
     return text.startswith((b"<?xml", b"<svg", b"<!--", b"<!DOCTYPE"))
+
+
+_BROKEN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError)
+"""What the parser of SVG ends in when it is given nonsense."""
 
 
 def outline(path: str | os.PathLike[str]) -> FloatArray:
@@ -64,11 +80,19 @@ def outline(path: str | os.PathLike[str]) -> FloatArray:
         document: Any = svgelements.SVG.parse(io.BytesIO(ElementTree.tostring(tree)), reify=True)
         elements = [element for element in document.elements() if isinstance(element, svgelements.Shape)]
         view = view or _bounds(elements)
-        painted = [(_region(element, view), _fill(element)) for element in elements if _visible(element)]
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError) as error:
+        visible = [element for element in elements if _visible(element)]
+        flatness = _FLATNESS * max(view[2] - view[0], view[3] - view[1])
+        rings = _rings(visible, flatness)
+        refuse_tangles(list(itertools.chain.from_iterable(rings)))
+        painted = [
+            (_region(of, _odd(element)), _fill(element)) for element, of in zip(visible, rings, strict=True) if of
+        ]
+        painted = [(region, fill) for region, fill in painted if not region.is_empty]
+        region = _object(painted, shapely.box(*view))
+    except TangleError as error:
+        raise SilhouetteError("too-large", f"{where}: {error}; simplify the drawing, or export it as PNG") from error
+    except (*_BROKEN, shapely.errors.ShapelyError) as error:
         raise SilhouetteError("unreadable", f"{where}: broken geometry ({error}); save the file again") from error
-    painted = [(region, fill) for region, fill in painted if not region.is_empty]
-    region = _object(painted, shapely.box(*view))
     parts = [part for part in shapely.get_parts(region) if part.geom_type == "Polygon" and part.area > 0.0]
     if not parts:
         raise SilhouetteError(
@@ -142,14 +166,29 @@ def _same(one: _Colour, other: _Colour) -> bool:
     return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= _SAME_COLOUR
 
 
-def _region(element: Any, view: tuple[float, float, float, float]) -> Any:
-    """The region that one element fills, by its fill rule; subpaths are closed, as filling does."""
-    flatness = _FLATNESS * max(view[2] - view[0], view[3] - view[1])
-    path = svgelements.Path(element)
-    path.approximate_arcs_with_cubics()
-    rings = [ring for ring in (_ring(subpath, flatness) for subpath in path.as_subpaths()) if len(ring) >= 3]
-    if not rings:
-        return shapely.Polygon()
+def _rings(elements: list[Any], flatness: float) -> list[list[FloatArray]]:
+    """The closed rings of each element, curves flattened, of three vertices at least."""
+    found: list[list[FloatArray]] = []
+    total = 0
+    for element in elements:
+        path = svgelements.Path(element)
+        path.approximate_arcs_with_cubics()
+        rings: list[FloatArray] = []
+        for subpath in path.as_subpaths():
+            ring = _ring(subpath, flatness, _MAX_POINTS - total)
+            total += len(ring)
+            if len(ring) >= 3:
+                rings.append(ring)
+        found.append(rings)
+    return found
+
+
+def _odd(element: Any) -> bool:
+    return str(element.values.get("fill-rule", "nonzero")).strip() == "evenodd"
+
+
+def _region(rings: list[FloatArray], odd: bool) -> Any:
+    """The region that an element's rings fill, by the rule "evenodd" or "nonzero"."""
     if len(rings) == 1:
         polygon = shapely.Polygon(rings[0])
         if polygon.is_valid:
@@ -159,13 +198,19 @@ def _region(element: Any, view: tuple[float, float, float, float]) -> Any:
     if not faces:
         return shapely.Polygon()
     inner = shapely.get_coordinates(shapely.point_on_surface(faces))
+    if len(inner) * sum(map(len, rings)) > _MAX_TURNS:
+        raise TangleError(f"one element has {len(inner)} faces")
     turns = sum(_winding(ring, inner) for ring in rings)
-    odd = str(element.values.get("fill-rule", "nonzero")).strip() == "evenodd"
     return shapely.union_all([face for face, n in zip(faces, turns, strict=True) if (n % 2 if odd else n)])
 
 
 def _winding(ring: FloatArray, places: FloatArray) -> Any:
     """How often a closed ring, (m, 2), winds around each of (k, 2) places that are not on it: (k,) int64."""
+    step = max(1, _AT_ONCE // len(ring))
+    return np.concatenate([_turns(ring, places[start : start + step]) for start in range(0, len(places), step)])
+
+
+def _turns(ring: FloatArray, places: FloatArray) -> Any:
     x, y = places[:, 0, None], places[:, 1, None]
     x0, y0 = ring[:, 0], ring[:, 1]
     x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
@@ -175,12 +220,15 @@ def _winding(ring: FloatArray, places: FloatArray) -> Any:
     return up.sum(axis=1) - down.sum(axis=1)
 
 
-def _ring(subpath: Any, flatness: float) -> FloatArray:
-    """Vertices, (m, 2), of a subpath with curves flattened."""
+def _ring(subpath: Any, flatness: float, room: int) -> FloatArray:
+    """Vertices, (m, 2), of a subpath with curves flattened; `TangleError` when they are more than ``room``."""
     pieces: list[FloatArray] = []
     for segment in subpath:
         if segment.end is None:
             continue
+        room -= len(pieces[-1]) if pieces else 0
+        if room <= 0:
+            raise TangleError(f"its curves have more than {_MAX_POINTS} points")
         controls = [segment.start] if segment.start is not None else []
         for name in ("control", "control1", "control2"):
             point = getattr(segment, name, None)
