@@ -20,7 +20,7 @@ from typing import Any
 
 from pipeline.artifact import Artifact, canonical_json, decode, encode
 from pipeline.errors import PayloadError
-from pipeline.keys import SCHEMA, KeyParts, digest_bytes
+from pipeline.keys import SCHEMA, KeyParts, digest_bytes, digest_text
 from pipeline.places.base import Files, Place
 from pipeline.places.choose import open_files
 from pipeline.places.local import TEMPORARY as TEMPORARY  # for whoever writes files beside a store
@@ -112,6 +112,8 @@ class Store:
             data = json.loads(bytes(raw))
             if data["schema"] != SCHEMA or data["stage"] != stage or data["key"] != key:
                 raise PayloadError(f"manifest of {stage}/{key[:12]} names another artifact or schema")
+            if digest_text(canonical_json(data["parts"])) != key:
+                raise PayloadError(f"manifest of {stage}/{key[:12]} was altered")
             return Entry(stage, key, data["digest"], int(data["bytes"]), data["parts"], data["cost"])
         except (ValueError, KeyError, TypeError) as error:
             raise PayloadError(f"manifest of {stage}/{key[:12]} is damaged: {error}") from error
