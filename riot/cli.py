@@ -7,7 +7,7 @@ import argparse
 import errno
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -19,8 +19,9 @@ from riot.certify import change_ratio
 from riot.construct import alternatives, construct, construct_plan, load_pins
 from riot.construct.plan import Plan
 from riot.cross import crs
-from riot.draw import animate_svg, draw_strip, write_film
+from riot.draw import animate_svg, draw_strip, draw_transform, write_film
 from riot.draw.film import film_writer
+from riot.draw.skin import PLAIN, Skins
 from riot.errors import RiotError, TrunkError
 from riot.fabricate.command import add_print
 from riot.fidelity import bending_ratio, direction_error
@@ -31,6 +32,7 @@ from riot.quick import qcrs
 from riot.shape import Shape
 from riot.silhouette import read
 from riot.slices.command import add_slices
+from riot.texture.names import SIDES, Side
 from riot.transform import Transform
 
 if TYPE_CHECKING:
@@ -64,6 +66,8 @@ class Wishes:
     rank: int | None = None
     pins: Path | None = None
     method: Literal["exact", "laplacian"] = "exact"
+    pictures: Mapping[Side, Path] | None = None
+    """Colour pictures of P and Q, of the same size as the inputs: what the pieces show."""
 
 
 def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes | None = None) -> None:
@@ -90,7 +94,8 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes | None = None)
     if transform.certificate().passed:
         transform = transform.planned()
     show(transform)
-    for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films):
+    skins = _skins(transform, wishes.pictures, {"p": path_a, "q": path_b})
+    for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films, skins):
         print(path)
 
 
@@ -144,20 +149,30 @@ def _hinges(motion: Motion) -> str:
     return said if motion.flat else f"{said}, lifting at {', '.join(map(str, motion.lifted))}"
 
 
-def _written(transform: Transform, stem: Path, films: Sequence[str]) -> Iterator[Path]:
+def _skins(transform: Transform, pictures: Mapping[Side, Path] | None, masks: Mapping[Side, Path]) -> Skins:
+    if not pictures:
+        return PLAIN
+    # Here, not above: what paints takes long to import.
+    from riot.texture.paint import find_textures
+    from riot.texture.skins import make_skins
+
+    return make_skins(transform, find_textures(transform, pictures, masks))
+
+
+def _written(transform: Transform, stem: Path, films: Sequence[str], skins: Skins) -> Iterator[Path]:
     """Write the files of a transform, ``stem`` and a suffix each; yields each path when it is written."""
 
     def save(path: Path) -> None:
-        path.write_text(animate_svg(transform), encoding="utf-8")
+        path.write_text(animate_svg(transform, skins), encoding="utf-8")
 
     kinds: list[tuple[str, Callable[[Path], None]]] = [
         (".riot", transform.save),
-        (".svg", transform.draw),
-        (".png", transform.draw),
-        (".strip.svg", lambda path: draw_strip(transform, path)),
-        (".strip.png", lambda path: draw_strip(transform, path)),
+        (".svg", lambda path: draw_transform(transform, path, skins)),
+        (".png", lambda path: draw_transform(transform, path, skins)),
+        (".strip.svg", lambda path: draw_strip(transform, path, skins)),
+        (".strip.png", lambda path: draw_strip(transform, path, skins)),
         (".swing.svg", save),
-        *((film, lambda path: write_film(transform, path)) for film in films),
+        *((film, lambda path: write_film(transform, path, skins=skins)) for film in films),
     ]
     for suffix, write in kinds:
         path = stem.with_name(f"{stem.name}{suffix}")
@@ -177,7 +192,8 @@ def _named(path: Path, other: Path) -> Shape:
 
 def _make(chosen: argparse.Namespace) -> int:
     films = tuple(f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind))
-    make(chosen.a, chosen.b, chosen.output, Wishes(films, chosen.rank, chosen.pins, chosen.method))
+    pictures = {side: path for side in SIDES if (path := getattr(chosen, f"texture_{side}"))}
+    make(chosen.a, chosen.b, chosen.output, Wishes(films, chosen.rank, chosen.pins, chosen.method, pictures))
     return 0
 
 
@@ -210,6 +226,13 @@ def _parser(more: Sequence[Callable[[Commands], None]]) -> argparse.ArgumentPars
     make_parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="where results go")
     make_parser.add_argument("--gif", action="store_true", help="film the motion as an animated GIF too")
     make_parser.add_argument("--mp4", action="store_true", help="film it as an MP4 too (needs the extra 'film')")
+    for side, name in zip(SIDES, "AB", strict=True):
+        make_parser.add_argument(
+            f"--texture-{side}",
+            type=Path,
+            metavar="PICTURE",
+            help=f"show {name}'s colours on the pieces, from a picture of its size ({name} itself, if it has colours)",
+        )
     make_parser.set_defaults(run=_make)
     show_parser = commands.add_parser("show", help="print the numbers of a .riot file")
     show_parser.add_argument("file", type=Path, metavar="FILE.riot")

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from riot.draw.course import REST, calm, eased, hinge_dot, loop_seconds, motion_marks, stacking
 from riot.draw.panels import sketch
 from riot.draw.scene import Dot, Scene, around, extent
-from riot.draw.svg import dot, naming, painted, place, whole
+from riot.draw.skin import PLAIN, Skins
+from riot.draw.svg import dot, naming, painted, piece_id, place, whole
 from riot.motion import Motion
 from riot.pose import Pose
 from riot.transform import Transform
@@ -32,19 +33,19 @@ class Swing:
     body: str
 
 
-def animate_svg(transform: Transform) -> str:
+def animate_svg(transform: Transform, skins: Skins = PLAIN) -> str:
     """The motion from P to Q and back, as a whole animated SVG file of deterministic text.
 
     It is `Transform.motion`, planned now if it was not: no two pieces of a plane meet. Every piece has key frames of
     translation and rotation, eased at both ends; hinges are dots, larger where they lift, the ends of the open hinge
-    rings.
+    rings. With ``skins`` the pieces show their front.
     """
-    prefix = naming(sketch(transform).pieces)
-    swing = swing_of(transform, prefix)
+    prefix = naming(sketch(transform).pieces, skins)
+    swing = swing_of(transform, prefix, skins)
     return whole(swing.scene, swing.body, prefix, style=MOTION_STYLE)
 
 
-def swing_of(transform: Transform, prefix: str) -> Swing:
+def swing_of(transform: Transform, prefix: str, skins: Skins = PLAIN) -> Swing:
     """The animation, for pieces defined under ``prefix`` (see `riot.draw.svg.definitions`)."""
     drawn, motion = sketch(transform), transform.motion()
     frames = calm(motion)
@@ -57,16 +58,17 @@ def swing_of(transform: Transform, prefix: str) -> Swing:
     pen = (box[2] - box[0]) / _PENS_ACROSS
     names = transform.p.name or "P", transform.q.name or "Q"
     title = f"{len(drawn)} hinged pieces swing from {names[0]} to {names[1]} and back: the chain {motion.words}"
-    scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL)))
-    moving = "".join(_piece(drawn, i, poses, seconds, prefix, pen, motion) for i in stacking(motion))
+    scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL)), skins)
+    uses = [f'<use href="#{piece_id(prefix, i, skins=skins)}"/>' for i in range(len(drawn))]
+    moving = "".join(_piece(drawn, i, poses, seconds, uses[i], pen, motion) for i in stacking(motion))
     body = f'<g class="r-move">{moving}</g><g class="r-still">{painted(scene, prefix)}</g>'
     return Swing(scene, body)
 
 
-def _piece(drawn: Transform, i: int, poses: list[Pose], seconds: float, prefix: str, pen: float, motion: Motion) -> str:
+def _piece(drawn: Transform, i: int, poses: list[Pose], seconds: float, use: str, pen: float, motion: Motion) -> str:
     moves = ";".join(place(float(pose.origins[i, 0]), float(pose.origins[i, 1])) for pose in poses)
     turns = ";".join(_degrees(float(pose.headings[i])) for pose in poses)
-    inner = f'<use href="#{prefix}{i}"/>'
+    inner = use
     if i == (motion.open_hinge - 1) % len(drawn):
         inner += dot(Dot(drawn.pieces[i].length, 0.0, "open"), pen)
     start = dot(hinge_dot(motion, i, 0.0, 0.0), pen)

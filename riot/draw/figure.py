@@ -15,6 +15,7 @@ from riot.draw.panels import (
     sketch,
 )
 from riot.draw.scene import Box, Label, Mark, Scene, extent, moved
+from riot.draw.skin import PLAIN, Skins
 from riot.errors import RiotError
 from riot.transform import Transform
 
@@ -35,13 +36,14 @@ class PictureFormatError(RiotError, ValueError):
     """A file name whose suffix is no picture format that can be written."""
 
 
-def draw_transform(transform: Transform, path: str | os.PathLike[str]) -> None:
+def draw_transform(transform: Transform, path: str | os.PathLike[str], skins: Skins = PLAIN) -> None:
     """Write one figure of the transform; the suffix (svg, png, pdf) chooses the format.
 
+    With ``skins`` the dissections of P and Q show their own, and chain and swing the front of the pieces, which is P's.
     The same transform gives the same bytes. Raises `PictureFormatError` (a ValueError) for another suffix, and OSError
     if the file cannot be written. Ours.
     """
-    write_scene(FilePath(path), lambda: figure_scene(transform))
+    write_scene(FilePath(path), lambda: figure_scene(transform, skins))
 
 
 def write_scene(target: FilePath, make: Callable[[], Scene]) -> None:
@@ -63,7 +65,7 @@ def write_scene(target: FilePath, make: Callable[[], Scene]) -> None:
         target.write_bytes(plot.png(scene) if kind == "png" else plot.pdf(scene))
 
 
-def figure_scene(transform: Transform) -> Scene:
+def figure_scene(transform: Transform, skins: Skins = PLAIN) -> Scene:
     """The figure of `draw_transform` before it has a format."""
     drawn = sketch(transform)
     motion = transform.motion()
@@ -97,7 +99,7 @@ def figure_scene(transform: Transform) -> Scene:
     top = _fitted(marks, poses, drawn, top, width - 2 * gap, gap)
     marks.append(Label(width / 2, top - 0.9 * line, f"the chain, open at one hinge, {motion.words}", "note"))
     title = f"Reversible transform of {names[0]} into {names[1]}, {len(drawn)} hinged pieces"
-    return Scene(title, (0.0, top - 2 * line, width, 0.0), pen, drawn.pieces, tuple(marks))
+    return Scene(title, (0.0, top - 2 * line, width, 0.0), pen, drawn.pieces, tuple(marks), skins)
 
 
 def _short(name: str) -> str:

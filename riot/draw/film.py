@@ -18,7 +18,9 @@ from riot.draw.figure import PictureFormatError
 from riot.draw.palette import LIGHT, PENS, colour, hue
 from riot.draw.panels import sketch
 from riot.draw.scene import Box, Dot, Part, Scene, around, extent, placed
+from riot.draw.skin import PLAIN, Skin, Skins
 from riot.errors import RiotError
+from riot.pose import rotate
 from riot.shape import FloatArray
 from riot.transform import Transform
 
@@ -43,18 +45,19 @@ class FilmError(RiotError, ModuleNotFoundError):
     """An MP4 was asked for where imageio-ffmpeg is not installed."""
 
 
-def write_film(transform: Transform, path: str | os.PathLike[str], width: int = WIDTH) -> None:
+def write_film(transform: Transform, path: str | os.PathLike[str], width: int = WIDTH, skins: Skins = PLAIN) -> None:
     """Write the motion from P to Q and back, a loop with pauses; the suffix (gif, mp4) chooses the format.
 
-    ``width`` is in pixels. Raises `riot.draw.figure.PictureFormatError` (a ValueError) for another suffix, `FilmError`
-    if an MP4 cannot be written here, and OSError if the file cannot be written.
+    ``width`` is in pixels; with ``skins`` the pieces show their front. Raises `riot.draw.figure.PictureFormatError` (a
+    ValueError) for another suffix, `FilmError` if an MP4 cannot be written here, and OSError if the file cannot be
+    written.
     """
     target = Path(path)
     kind = target.suffix.lower()
     if kind == ".gif":
-        target.write_bytes(_gif(transform, width))
+        target.write_bytes(_gif(_Camera(transform, width, 1, skins)))
     elif kind == ".mp4":
-        _mp4(transform, target, width)
+        _mp4(transform, target, width, skins)
     else:
         raise PictureFormatError(f"cannot film {target.name!r}: use a file name that ends in .gif or .mp4")
 
@@ -70,9 +73,8 @@ def film_writer() -> Any:
         ) from None
 
 
-def _gif(transform: Transform, width: int) -> bytes:
-    camera = _Camera(transform, width, 1)
-    frames = calm(transform.motion())
+def _gif(camera: _Camera) -> bytes:
+    frames = calm(camera.motion)
     there = [Image.fromarray(camera.picture(float(t))) for t in eased(frames)]
     palette = _common_palette(there)
     there = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in there]
@@ -97,9 +99,9 @@ def _common_palette(frames: list[Image.Image]) -> Image.Image:
     return sheet.quantize(COLOURS, dither=Image.Dither.NONE)
 
 
-def _mp4(transform: Transform, target: Path, width: int) -> None:
+def _mp4(transform: Transform, target: Path, width: int, skins: Skins) -> None:
     writer = film_writer()
-    camera = _Camera(transform, width, 2)  # the codec wants even sides
+    camera = _Camera(transform, width, 2, skins)  # the codec wants even sides
     frames = calm(transform.motion())
     half = round(0.5 * loop_seconds(frames) * MP4_RATE)
     rest = round(half * REST / (frames + REST))
@@ -131,9 +133,9 @@ def _loop(camera: _Camera, times: FloatArray, rest: int) -> Iterator[tuple[Any, 
 class _Camera:
     """Paints poses as pixels, all in one frame."""
 
-    def __init__(self, transform: Transform, width: int, even: int) -> None:
-        self._drawn, self._motion = sketch(transform), transform.motion()
-        marks = (motion_marks(self._drawn, self._motion, float(t)) for t in eased(FRAMES))
+    def __init__(self, transform: Transform, width: int, even: int, skins: Skins) -> None:
+        self._drawn, self.motion, self._skins = sketch(transform), transform.motion(), skins
+        marks = (motion_marks(self._drawn, self.motion, float(t)) for t in eased(FRAMES))
         self._box: Box = around((extent(found, self._drawn.pieces) for found in marks), margin=0.05)
         x0, y0, x1, y1 = self._box
         self._scale = SMOOTH * width / (x1 - x0)
@@ -142,16 +144,22 @@ class _Camera:
 
     def picture(self, t: float) -> Any:
         """(height, width, 3) uint8 at time t."""
-        scene = Scene("", self._box, 0.0, self._drawn.pieces, tuple(motion_marks(self._drawn, self._motion, t)))
+        marks = tuple(motion_marks(self._drawn, self.motion, t))
+        scene = Scene("", self._box, 0.0, self._drawn.pieces, marks, self._skins)
         image = Image.new("RGB", (self.size[0] * SMOOTH, self.size[1] * SMOOTH), LIGHT["paper"])
         painter = ImageDraw.Draw(image)
         pen = self.size[0] * SMOOTH / _PENS_ACROSS
         for mark in scene.marks:
             if isinstance(mark, Part):
-                look = f"piece{hue(mark.piece, len(scene.pieces))}"
+                look, skin = f"piece{hue(mark.piece, len(scene.pieces))}", scene.skin(mark)
                 outline = self._pixels(placed(mark, scene.pieces[mark.piece].polygon))
-                painter.polygon(outline, fill=colour(look, LIGHT))
-                painter.line([*outline, outline[0]], fill=LIGHT["paper"], width=max(1, round(0.8 * pen)))
+                if skin is None:
+                    painter.polygon(outline, fill=colour(look, LIGHT))
+                else:
+                    self._paste(image, mark, skin, outline)
+                rim = PENS["cut" if skin else look]
+                width = max(1, round(rim.width * pen))
+                painter.line([*outline, outline[0]], fill=colour(rim.stroke or "paper", LIGHT), width=width)
             elif isinstance(mark, Dot):
                 ((x, y),) = self._pixels(np.array([[mark.x, mark.y]]))
                 radius, look_of = mark.radius * pen, PENS[mark.pen]
@@ -162,6 +170,24 @@ class _Camera:
                     width=max(1, round(look_of.width * pen)),
                 )
         return np.asarray(image.reduce(SMOOTH))
+
+    def _paste(self, image: Image.Image, part: Part, skin: Skin, outline: list[tuple[float, float]]) -> None:
+        """Paint a piece's skin into its outline, in pixels of the image."""
+        low = np.floor(np.min(outline, axis=0)).astype(int)
+        size = tuple((np.ceil(np.max(outline, axis=0)).astype(int) - low + 1).tolist())
+        # Where the image's corner and the ends of its first pixels lie in the skin, which is all of an affine map.
+        x0, _, _, y1 = self._box
+        corners = (low + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])) / self._scale * [1.0, -1.0] + [x0, y1]
+        own = rotate(corners - [part.x, part.y], -part.heading) / part.scale
+        left, bottom, right, top = skin.box
+        rows, columns = skin.pixels.shape[:2]
+        at = (own - [left, top]) * [columns / (right - left), -rows / (top - bottom)]
+        across, along = at[1] - at[0], at[2] - at[0]
+        numbers = (across[0], along[0], at[0, 0], across[1], along[1], at[0, 1])
+        seen = Image.fromarray(skin.pixels).transform(size, Image.Transform.AFFINE, numbers, Image.Resampling.BILINEAR)
+        mask = Image.new("L", size)
+        ImageDraw.Draw(mask).polygon([(x - low[0], y - low[1]) for x, y in outline], fill=255)
+        image.paste(seen, tuple(low.tolist()), mask)
 
     def _pixels(self, points: FloatArray) -> list[tuple[float, float]]:
         x0, _, _, y1 = self._box

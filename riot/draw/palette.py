@@ -57,6 +57,7 @@ PENS: Mapping[str, Pen] = MappingProxyType(
         "seam": Pen(stroke="seam", width=1.1, opacity=0.8, dash=(3.0, 2.5)),
         "hinge": Pen(fill="ink", stroke="paper", width=1.0),
         "open": Pen(fill="paper", stroke="ink", width=1.2),
+        "cut": Pen(stroke="ink", width=0.7, opacity=0.8),
         "rule": Pen(stroke="shade", width=1.0),
         "caption": Pen(fill="ink"),
         "note": Pen(fill="muted"),

@@ -48,14 +48,18 @@ def deformation_marks(transform: Transform, side: str) -> list[Mark]:
 
 def dissection_marks(transform: Transform, side: str) -> list[Mark]:
     """The closed chain: P's dissection for side "p", Q's for "q"."""
-    return pose_marks(transform, transform.pose(0.0 if side == "p" else 1.0), 0, closed=True)
+    return pose_marks(transform, transform.pose(0.0 if side == "p" else 1.0), 0, closed=True, side=side)
 
 
-def pose_marks(transform: Transform, pose: Pose, open_hinge: int, closed: bool = False) -> list[Mark]:
-    """The pieces in a pose, hinges on top; the open hinge, if it is open, as rings at its two ends."""
+def pose_marks(transform: Transform, pose: Pose, open_hinge: int, closed: bool = False, side: str = "p") -> list[Mark]:
+    """The pieces in a pose, hinges on top; the open hinge, if it is open, as rings at its two ends.
+
+    ``side`` is the side of the pieces that shows, if they have skins.
+    """
     n = len(transform)
     marks: list[Mark] = [
-        Part(i, float(pose.origins[i, 0]), float(pose.origins[i, 1]), float(pose.headings[i])) for i in range(n)
+        Part(i, float(pose.origins[i, 0]), float(pose.origins[i, 1]), float(pose.headings[i]), side=side)
+        for i in range(n)
     ]
     for i in range(n):
         ring = i == open_hinge and not closed

@@ -11,11 +11,15 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
+from matplotlib.path import Path as Outline
 from matplotlib.text import Text
+from matplotlib.transforms import Affine2D
 
 from riot.draw.palette import LIGHT, PENS, colour, hue
 from riot.draw.scene import Dot, Label, Part, Path, Scene, placed
+from riot.draw.skin import Skin
 from riot.shape import FloatArray
+from riot.transform import Piece
 
 INCHES = 10.0
 """Width of a page."""
@@ -57,6 +61,7 @@ def _figure(scene: Scene) -> Any:
     figure = Figure(figsize=(INCHES, INCHES * (y1 - y0) / width), facecolor=LIGHT["paper"])
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
+    axes.set_autoscale_on(False)
     axes.set_xlim(x0, x1)
     axes.set_ylim(y0, y1)
     pen = scene.pen / width * INCHES * POINTS
@@ -65,8 +70,12 @@ def _figure(scene: Scene) -> Any:
             _path(axes, mark.points, mark.pen, mark.closed, pen, order)
         elif isinstance(mark, Part):
             piece = scene.pieces[mark.piece]
-            name = f"piece{hue(mark.piece, len(scene.pieces))}"
-            _path(axes, placed(mark, piece.polygon), name, True, pen * mark.scale, order)
+            outline, skin = placed(mark, piece.polygon), scene.skin(mark)
+            if skin is not None:
+                _skin(axes, mark, skin, piece, order)
+                _path(axes, outline, "cut", True, pen * mark.scale, order)
+                continue
+            _path(axes, outline, f"piece{hue(mark.piece, len(scene.pieces))}", True, pen * mark.scale, order)
             seam = placed(mark, np.array([[0.0, 0.0], [piece.length, 0.0]]))
             _path(axes, seam, "seam", False, pen * mark.scale, order)
         elif isinstance(mark, Dot):
@@ -75,6 +84,16 @@ def _figure(scene: Scene) -> Any:
         else:
             _text(axes, mark, pen, order)
     return figure
+
+
+def _skin(axes: Any, mark: Part, skin: Skin, piece: Piece, order: int) -> None:
+    """Paint a piece's skin where the part lies, cut to the piece's outline."""
+    x0, y0, x1, y1 = skin.box
+    place = Affine2D().scale(mark.scale).rotate(mark.heading).translate(mark.x, mark.y) + axes.transData
+    picture = axes.imshow(
+        skin.pixels, extent=(x0, x1, y0, y1), interpolation="bilinear", aspect="auto", zorder=order, transform=place
+    )
+    picture.set_clip_path(Outline(piece.polygon, closed=False), place)
 
 
 def _path(axes: Any, points: FloatArray, name: str, closed: bool, pen: float, order: int) -> None:

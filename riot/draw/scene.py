@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from riot.draw.skin import PLAIN, Skin, Skins
 from riot.pose import rotate
 from riot.shape import FloatArray
 from riot.transform import Piece
@@ -26,13 +27,17 @@ class Path:
 
 @dataclass(frozen=True)
 class Part:
-    """Piece ``piece`` of the scene, its frame turned by ``heading`` (radians), scaled, and moved to (x, y)."""
+    """Piece ``piece`` of the scene, its frame turned by ``heading`` (radians), scaled, and moved to (x, y).
+
+    ``side`` says which of its skins shows, if the scene has skins of that side: the front, "p", or "q".
+    """
 
     piece: int
     x: float
     y: float
     heading: float = 0.0
     scale: float = 1.0
+    side: str = "p"
 
 
 @dataclass(frozen=True)
@@ -76,6 +81,8 @@ class Scene:
     pieces : tuple of Piece
         What the `Part` marks place: drawn once, used often, so that a piece looks the same wherever it lies.
     marks : tuple of Mark
+    skins : Skins
+        What the pieces look like; of sides without skins every piece has its colour.
     """
 
     title: str
@@ -83,6 +90,11 @@ class Scene:
     pen: float
     pieces: tuple[Piece, ...]
     marks: tuple[Mark, ...]
+    skins: Skins = field(default_factory=lambda: PLAIN)
+
+    def skin(self, part: Part) -> Skin | None:
+        """What is seen of a part; None for its colour."""
+        return self.skins[part.side][part.piece] if part.side in self.skins else None
 
 
 def moved(marks: Iterable[Mark], x: float, y: float, scale: float = 1.0) -> list[Mark]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -28,5 +29,5 @@ class Skin:
 Skins = Mapping[str, tuple[Skin, ...]]
 """A skin for every piece, by side: "p" is the front of the pieces, "q" their back as it is in Q's own picture."""
 
-PLAIN: Skins = {}
+PLAIN: Skins = MappingProxyType({})
 """Every piece has its colour."""

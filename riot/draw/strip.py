@@ -11,6 +11,7 @@ from riot.draw.course import motion_marks
 from riot.draw.figure import write_scene
 from riot.draw.panels import sketch
 from riot.draw.scene import Label, Mark, Scene, extent, moved
+from riot.draw.skin import PLAIN, Skins
 from riot.transform import Transform
 
 POSES = 7
@@ -20,16 +21,16 @@ _PENS_ACROSS = 1280.0
 _NAME_LENGTH = 28
 
 
-def draw_strip(transform: Transform, path: str | os.PathLike[str]) -> None:
-    """Write the strip; the suffix (svg, png, pdf) chooses the format.
+def draw_strip(transform: Transform, path: str | os.PathLike[str], skins: Skins = PLAIN) -> None:
+    """Write the strip; the suffix (svg, png, pdf) chooses the format. With ``skins`` the pieces show their front.
 
     The same transform gives the same bytes. Raises `riot.draw.figure.PictureFormatError` (a ValueError) for another
     suffix, and OSError if the file cannot be written.
     """
-    write_scene(Path(path), lambda: strip_scene(transform))
+    write_scene(Path(path), lambda: strip_scene(transform, skins=skins))
 
 
-def strip_scene(transform: Transform, poses: int = POSES) -> Scene:
+def strip_scene(transform: Transform, poses: int = POSES, skins: Skins = PLAIN) -> Scene:
     """``poses`` ≥ 2 poses at even times of `Transform.motion`, all at one scale, and what the motion needs in words."""
     drawn, motion = sketch(transform), transform.motion()
     groups = [motion_marks(drawn, motion, float(t)) for t in np.linspace(0.0, 1.0, poses)]
@@ -50,4 +51,4 @@ def strip_scene(transform: Transform, poses: int = POSES) -> Scene:
     marks.append(Label(middles[-1], base, names[1]))
     marks.append(Label(width / 2, base, f"{len(drawn)} pieces; the chain {motion.words}", "note"))
     title = f"{names[0]} swings into {names[1]}: {poses} poses of {len(drawn)} hinged pieces"
-    return Scene(title, (0.0, base - 14 * pen, width, 0.0), pen, drawn.pieces, tuple(marks))
+    return Scene(title, (0.0, base - 14 * pen, width, 0.0), pen, drawn.pieces, tuple(marks), skins)

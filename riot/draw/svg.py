@@ -6,20 +6,27 @@ geometry. y points down in SVG, so it is turned over here and nowhere else.
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import html
+import io
 import math
 from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
+from PIL import Image
 
 from riot.draw.palette import LIGHT, PENS, PIECES, Pen, colour, hue
 from riot.draw.scene import Dot, Label, Mark, Part, Path, Scene
+from riot.draw.skin import PLAIN, Skin, Skins
 from riot.shape import FloatArray
 from riot.transform import Piece
 
 UNITS = 1000
 """SVG units per unit of the scene: a thousandth of a unit-area shape is the finest detail in a picture."""
+
+JPEG_QUALITY = 88
+"""Of skins: a photograph is a tenth of what it is as PNG."""
 
 FONT = "ui-sans-serif, system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
 
@@ -36,7 +43,7 @@ def escape(text: str) -> str:
 
 def document(scene: Scene, width: int = 960, scheme: Mapping[str, str] = LIGHT) -> str:
     """The scene as a whole SVG file, ``width`` pixels wide at its natural size."""
-    return whole(scene, painted(scene, prefix := naming(scene.pieces)), prefix, width, scheme)
+    return whole(scene, painted(scene, prefix := naming(scene.pieces, scene.skins)), prefix, width, scheme)
 
 
 def whole(
@@ -51,7 +58,7 @@ def whole(
         f'height="{height}" role="img"><title>{escape(scene.title)}</title>'
         f"<style>{_file_style(scene.pen, scheme)}{style}</style>"
         f'<rect x="{left}" y="{top}" width="{wide}" height="{high}" fill="{scheme["paper"]}"/>'
-        f"{definitions(scene.pieces, prefix)}{body}</svg>\n"
+        f"{definitions(scene.pieces, prefix, scene.skins)}{body}</svg>\n"
     )
 
 
@@ -69,25 +76,59 @@ def fragment(scene: Scene, prefix: str, body: str | None = None, kind: str = "")
     )
 
 
-def naming(pieces: Iterable[Piece]) -> str:
-    """A prefix for the pieces' ids that depends on their drawn geometry alone."""
-    text = "|".join(path_data(piece.polygon) for piece in pieces)
-    return f"r{hashlib.sha256(text.encode()).hexdigest()[:8]}-"
+def naming(pieces: Iterable[Piece], skins: Skins = PLAIN) -> str:
+    """A prefix for the pieces' ids that depends on their drawn geometry and their skins alone."""
+    state = hashlib.sha256("|".join(path_data(piece.polygon) for piece in pieces).encode())
+    for side in sorted(skins):
+        for skin in skins[side]:
+            state.update(f"|{side} {skin.pixels.shape} {skin.box}".encode() + skin.pixels.tobytes())
+    return f"r{state.hexdigest()[:8]}-"
 
 
-def definitions(pieces: tuple[Piece, ...], prefix: str) -> str:
-    """The ``<defs>`` of the pieces, ids ``prefix0`` …: each drawn once, with the seam along its trunk edge."""
+def definitions(pieces: tuple[Piece, ...], prefix: str, skins: Skins = PLAIN) -> str:
+    """The ``<defs>`` of the pieces: each drawn once, with the seam along its trunk edge.
+
+    Their ids are ``prefix0`` … in their colours, and ``prefixp0`` …, ``prefixq0`` … of the sides that have skins.
+    """
     groups = [
         f'<g id="{prefix}{i}"><path class="r-piece{hue(i, len(pieces))}" d="{path_data(piece.polygon)}"/>'
         f'<path class="r-seam" d="M0 0H{_whole(piece.length)}"/></g>'
         for i, piece in enumerate(pieces)
     ]
+    for side in sorted(skins):
+        groups += [
+            _skinned(piece, f"{prefix}{side}{i}", skin)
+            for i, (piece, skin) in enumerate(zip(pieces, skins[side], strict=True))
+        ]
     return f"<defs>{''.join(groups)}</defs>" if groups else ""
+
+
+def _skinned(piece: Piece, name: str, skin: Skin) -> str:
+    """A piece with its skin, cut to its outline."""
+    x0, y0, x1, y1 = skin.box
+    path = path_data(piece.polygon)
+    return (
+        f'<g id="{name}"><clipPath id="{name}c"><path d="{path}"/></clipPath>'
+        f'<image clip-path="url(#{name}c)" x="{_whole(x0)}" y="{_whole(-y1)}" width="{_whole(x1 - x0)}" '
+        f'height="{_whole(y1 - y0)}" preserveAspectRatio="none" href="{_data_url(skin)}"/>'
+        f'<path class="r-cut" d="{path}"/></g>'
+    )
+
+
+def _data_url(skin: Skin) -> str:
+    stream = io.BytesIO()
+    Image.fromarray(skin.pixels).save(stream, "JPEG", quality=JPEG_QUALITY, subsampling=0)
+    return f"data:image/jpeg;base64,{base64.b64encode(stream.getvalue()).decode('ascii')}"
+
+
+def piece_id(prefix: str, piece: int, side: str = "p", skins: Skins = PLAIN) -> str:
+    """The id under which `definitions` has what shows of a piece."""
+    return f"{prefix}{side if side in skins else ''}{piece}"
 
 
 def painted(scene: Scene, prefix: str) -> str:
     """The scene's marks as SVG text."""
-    return "".join(_mark(mark, prefix, scene.pen) for mark in scene.marks)
+    return "".join(_mark(mark, prefix, scene) for mark in scene.marks)
 
 
 def path_data(points: FloatArray, closed: bool = True) -> str:
@@ -143,16 +184,16 @@ def _rule(name: str, pen: Pen, unit: float, paint: Callable[[str], str]) -> str:
     return f".r-{name}{{{';'.join(parts)}}}"
 
 
-def _mark(mark: Mark, prefix: str, pen: float) -> str:
+def _mark(mark: Mark, prefix: str, scene: Scene) -> str:
     if isinstance(mark, Path):
         return f'<path class="r-{mark.pen}" d="{path_data(mark.points, mark.closed)}"/>'
     if isinstance(mark, Part):
         scaled = "" if mark.scale == 1.0 else f"scale({_number(mark.scale)})"
         moves = f"translate({place(mark.x, mark.y)})rotate({turn(mark.heading)}){scaled}"
-        return f'<use href="#{prefix}{mark.piece}" transform="{moves}"/>'
+        return f'<use href="#{piece_id(prefix, mark.piece, mark.side, scene.skins)}" transform="{moves}"/>'
     if isinstance(mark, Dot):
-        return dot(mark, pen)
-    return _label(mark, pen)
+        return dot(mark, scene.pen)
+    return _label(mark, scene.pen)
 
 
 def dot(mark: Dot, pen: float) -> str:

@@ -26,6 +26,9 @@ MAX_PIXELS = 64_000_000
 LEAST_MATCH = 0.9
 """Least IoU of a picture's opaque part, holes filled, with the shape's outline."""
 
+MIXED = 2
+"""Without transparency so many pixels at the rim have something of the background's colour, and are not used."""
+
 _CHECK_SIDE = 1024
 
 
@@ -78,7 +81,7 @@ def load_picture(path: str | os.PathLike[str], shape: Shape, mask: str | os.Path
 
 
 def _masked(where: Path, size: tuple[int, int], mask: Path, shape: Shape) -> BoolArray:
-    """(rows, columns) the object of a mask, which must be the shape's and of this width and height."""
+    """(rows, columns) the object of a mask, which must be the shape's and of this width and height; less its rim."""
     decode(mask, MAX_PIXELS)
     with Image.open(mask) as image:
         found = image.size
@@ -90,7 +93,9 @@ def _masked(where: Path, size: tuple[int, int], mask: Path, shape: Shape) -> Boo
         )
     own = read(mask)
     _refuse_other(mask, _drawn(own.source(own.points), size), shape)
-    return _drawn(shape.source(shape.points), size)
+    whole = _drawn(shape.source(shape.points), size)
+    inner: BoolArray = ndimage.binary_erosion(whole, iterations=MIXED)
+    return inner if inner.any() else whole
 
 
 def _drawn(outline: FloatArray, size: tuple[int, int]) -> BoolArray:

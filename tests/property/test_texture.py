@@ -193,6 +193,27 @@ def test_wrong_pictures_are_refused(tmp_path: Path) -> None:
         load_picture(tmp_path / "missing.png", shape)
 
 
+def test_a_picture_without_transparency_needs_its_mask(tmp_path: Path) -> None:
+    path, shape = painted(tmp_path / "blob.png")
+    with Image.open(path) as image:
+        mask = image.getchannel("A")
+        image.convert("RGB").save(tmp_path / "photo.jpg", quality=95, subsampling=0)
+    mask.save(tmp_path / "mask.png")
+    mask.resize((100, 100)).save(tmp_path / "small.png")
+    mask.transpose(Image.Transpose.FLIP_LEFT_RIGHT).save(tmp_path / "other.png")
+    found = load_picture(tmp_path / "photo.jpg", shape, tmp_path / "mask.png").astype(float)
+    wanted = load_picture(path, shape).astype(float)
+    assert found.shape == wanted.shape
+    # All of the picture is the object, its rim carried outwards; of the white background nothing is left.
+    assert np.abs(found - wanted).mean() < 6.0 and found.min(axis=2).max() < 215.0
+    with pytest.raises(TextureError, match="200 × 200 pixels, its mask .* 100 × 100") as small:
+        load_picture(tmp_path / "photo.jpg", shape, tmp_path / "small.png")
+    assert small.value.reason == "other-size"
+    with pytest.raises(TextureError, match=r"other\.png: its object") as other:
+        load_picture(tmp_path / "photo.jpg", shape, tmp_path / "other.png")
+    assert other.value.reason == "other-shape"
+
+
 def test_picture_of_another_shape_is_refused(tmp_path: Path, exact: Transform) -> None:
     path, _ = painted(tmp_path / "blob.png")
     with pytest.raises(TextureError, match="was read from"):

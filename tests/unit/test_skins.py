@@ -1,0 +1,154 @@
+"""Textures in pictures: every writer shows a piece's own place of its texture, wherever the piece lies."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import shapely
+from PIL import Image
+
+from riot.draw import animate_svg, draw_strip, draw_transform, write_film
+from riot.draw.animate import swing_of
+from riot.draw.figure import figure_scene
+from riot.draw.panels import dissection_marks
+from riot.draw.plot import png
+from riot.draw.scene import Part, Scene, extent, placed
+from riot.draw.skin import Skins
+from riot.draw.svg import document, naming, piece_id
+from riot.groundtruth import exact_pair, exact_transform
+from riot.shape import FloatArray
+from riot.texture.names import SIDES, Side
+from riot.texture.skins import make_skins, painted
+from riot.texture.source import ByteArray
+from riot.transform import Transform
+
+SPACE = "{http://www.w3.org/2000/svg}"
+
+
+class Places:
+    """A texture that tells the place: red along x, green along y, blue the same everywhere."""
+
+    def __init__(self, blue: int) -> None:
+        self.blue = blue
+
+    def colours(self, piece: int, xy: FloatArray, step: float) -> ByteArray:
+        return np.column_stack([self.of(xy), np.full(len(xy), self.blue)]).astype(np.uint8)
+
+    def of(self, xy: FloatArray) -> FloatArray:
+        return np.rint(np.clip(128.0 + 60.0 * xy, 0.0, 255.0))
+
+
+TEXTURES: dict[Side, Places] = {"p": Places(10), "q": Places(240)}
+
+
+@pytest.fixture(scope="module")
+def transform() -> Transform:
+    return exact_transform(exact_pair(4, 3)).planned()
+
+
+@pytest.fixture(scope="module")
+def skins(transform: Transform) -> Skins:
+    return make_skins(transform, TEXTURES)
+
+
+def middles(transform: Transform) -> list[FloatArray]:
+    """(1, 2) a place well within every piece, in its own frame."""
+    return [
+        np.array(shapely.maximum_inscribed_circle(shapely.Polygon(piece.polygon)).coords[:1])
+        for piece in transform.pieces
+    ]
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_skin_has_the_colours_of_the_assembled_shape(transform: Transform, skins: Skins, side: Side) -> None:
+    pose = transform.pose(0.0 if side == "p" else 1.0)
+    for i, (skin, middle) in enumerate(zip(skins[side], middles(transform), strict=True)):
+        x0, y0, x1, y1 = skin.box
+        points = transform.pieces[i].polygon
+        assert (points.min(axis=0) > [x0, y0]).all() and (points.max(axis=0) < [x1, y1]).all()
+        rows, columns = skin.pixels.shape[:2]
+        column, row = (middle[0] - [x0, y1]) / [x1 - x0, y0 - y1] * [columns, rows]
+        found = skin.pixels[int(row), int(column)].astype(float)
+        assert found[:2] == pytest.approx(TEXTURES[side].of(pose.place(i, middle))[0], abs=1.0)
+        assert found[2] == TEXTURES[side].blue
+
+
+def test_a_raster_covers_its_region_and_is_white_beyond() -> None:
+    region = shapely.Polygon([(0.0, 0.0), (2.0, 0.0), (0.0, 1.0)])
+    pixels, box = painted(region, 0.1, lambda points: np.zeros((len(points), 3), dtype=np.uint8))
+    assert pixels.shape == (10, 20, 3) and box == pytest.approx((0.0, 0.0, 2.0, 1.0))
+    assert (pixels[-1, 0] == 0).all() and (pixels[0, 0] == 0).all() and (pixels[0, -1] == 255).all()
+
+
+def seen(picture: Image.Image, scene: Scene, part: Part, place: FloatArray) -> FloatArray:
+    """The mean colour of a picture of the scene around a place of a piece's frame."""
+    x0, y0, x1, y1 = scene.box
+    x, y = (placed(part, place)[0] - [x0, y1]) / [x1 - x0, y0 - y1] * [picture.width, picture.height]
+    pixels = np.asarray(picture.convert("RGB"), dtype=np.float64)
+    return pixels[int(y) - 1 : int(y) + 2, int(x) - 1 : int(x) + 2].mean(axis=(0, 1))
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_png_shows_them_where_the_pieces_lie(transform: Transform, skins: Skins, side: Side, tmp_path: Path) -> None:
+    marks = tuple(mark for mark in dissection_marks(transform, side) if isinstance(mark, Part))
+    scene = Scene("", extent(marks, transform.pieces), 0.002, transform.pieces, marks, skins)
+    (tmp_path / "seen.png").write_bytes(png(scene))
+    with Image.open(tmp_path / "seen.png") as picture:
+        for part, middle in zip(marks, middles(transform), strict=True):
+            found = seen(picture, scene, part, middle)
+            assert found[:2] == pytest.approx(TEXTURES[side].of(placed(part, middle))[0], abs=4.0)
+            assert found[2] == pytest.approx(TEXTURES[side].blue, abs=4.0)
+
+
+def test_a_film_carries_them_along(transform: Transform, skins: Skins, tmp_path: Path) -> None:
+    write_film(transform, tmp_path / "swing.gif", 240, skins)
+    with Image.open(tmp_path / "swing.gif") as film:
+        for k in (0, film.n_frames // 4, film.n_frames // 2):
+            film.seek(k)
+            pixels = np.asarray(film.convert("RGB")).reshape(-1, 3)
+            shown = pixels[(pixels.min(axis=1) < 60)]
+            # The front is seen at all times, and nothing of the back.
+            assert (np.abs(shown[:, 2].astype(int) - TEXTURES["p"].blue) < 60).mean() > 0.95
+            assert len(shown) > 0.1 * len(pixels)
+
+
+def test_svg_defines_every_skin_once_and_uses_it(transform: Transform, skins: Skins) -> None:
+    scene = figure_scene(transform, skins)
+    root = ElementTree.fromstring(document(scene))
+    ids = [group.attrib["id"] for group in root.find(f"{SPACE}defs") or ()]
+    prefix, n = naming(scene.pieces, skins), len(transform)
+    assert ids == [f"{prefix}{side}{i}" for side in ("", "p", "q") for i in range(n)]
+    uses = [use.attrib["href"] for use in root.iter(f"{SPACE}use")]
+    assert uses.count(f"#{prefix}q0") == 1  # Q's own dissection
+    assert uses.count(f"#{prefix}p0") == 9 and f"#{prefix}0" not in uses
+    links = re.findall(r'href="([^#][^"]*)"', document(scene))
+    assert len(links) == 2 * n and all(link.startswith("data:image/jpeg;base64,") for link in links)
+
+
+def test_the_motion_shows_the_front(transform: Transform, skins: Skins) -> None:
+    prefix = naming(transform.pieces, skins)
+    assert f"#{prefix}p0" in swing_of(transform, prefix, skins).body
+    back = {"q": skins["q"]}
+    assert piece_id(prefix, 0, skins=back) == f"{prefix}0" and piece_id(prefix, 0, "q", back) == f"{prefix}q0"
+    assert f"#{prefix}q0" not in swing_of(transform, prefix, back).body
+
+
+def test_names_of_pieces_depend_on_their_skins(transform: Transform, skins: Skins) -> None:
+    other = make_skins(transform, {"p": Places(11)})
+    names = {naming(transform.pieces), naming(transform.pieces, skins), naming(transform.pieces, other)}
+    assert len(names) == 3
+
+
+def test_pictures_are_the_same_every_time(transform: Transform, skins: Skins, tmp_path: Path) -> None:
+    again = make_skins(transform, TEXTURES)
+    assert animate_svg(transform, skins) == animate_svg(transform, again)
+    for name in ("strip.svg", "strip.pdf", "figure.png"):
+        for folder, some in (("one", skins), ("two", again)):
+            (tmp_path / folder).mkdir(exist_ok=True)
+            draw = draw_strip if name.startswith("strip") else draw_transform
+            draw(transform, tmp_path / folder / name, some)
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
