@@ -13,12 +13,14 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Protocol
 
 from pipeline.admission import Admission
 from pipeline.config import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.events import Listener, Note
+from pipeline.guard import Guards
 from pipeline.inputs import Kept
 from pipeline.perform import Failure, Receipt, perform
 from pipeline.places.base import Place
@@ -69,7 +71,7 @@ def open_cluster(
 
 
 class Here:
-    """In this process, one after another: for debugging, and as the reference."""
+    """In this process, one after another: for debugging, and as the reference. Nothing is stopped after a time."""
 
     workers = 1
 
@@ -82,12 +84,16 @@ class Here:
             yield from perform(root, bundle, self._kept)
 
 
-def perform_on_worker(root: str, bundle: Bundle) -> list[Receipt]:
-    """Do a bundle on a Dask worker; the inputs that it keeps are an attribute of the worker and end with it."""
+def perform_on_worker(root: str, bundle: Bundle, limit: float | None = None) -> list[Receipt]:
+    """Do a bundle beside a Dask worker (`pipeline.guard`), an item in at most ``limit`` seconds.
+
+    The guards are an attribute of the worker and end with it.
+    """
     from distributed import get_worker
 
-    kept = vars(get_worker()).setdefault("riot_kept", Kept())
-    return list(perform(root, bundle, kept))
+    guards = vars(get_worker()).setdefault("riot_guards", Guards())
+    with guards.taken(limit) as guard:
+        return list(guard.perform(root, bundle))
 
 
 @dataclass(frozen=True)
@@ -224,7 +230,7 @@ def _local(config: ClusterConfig, _root: Place | None, _listen: Listener) -> Ite
         )
     with cluster, Client(cluster) as client:
         # A worker that dies while it starts takes its nanny with it; scaling to the same size starts another.
-        yield OnDask(client, revive=lambda: cluster.scale(workers))
+        yield OnDask(client, partial(perform_on_worker, limit=config.limit), revive=lambda: cluster.scale(workers))
 
 
 @contextlib.contextmanager
@@ -313,7 +319,7 @@ def _admitting(client: Any, config: ClusterConfig, root: Place | None, listen: L
                 f"cluster.address={where}: the scheduler has no worker after {config.wait} s; {hint}, or wait longer "
                 "with cluster.wait=SECONDS"
             )
-    return OnDask(client, admission=admission)
+    return OnDask(client, partial(perform_on_worker, limit=config.limit), admission=admission)
 
 
 def _quiet() -> None:

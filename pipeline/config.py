@@ -110,6 +110,9 @@ class ClusterConfig:
     """Seconds that ``external`` waits for the scheduler and its first worker, ``slurm`` for its first job."""
     dashboard: bool = False
     """Serve Dask's dashboard (``local``, ``slurm``)."""
+    limit: float | None = 600.0
+    """Seconds after which a work item (a batch of shapes, a block of pairs, a pair) is stopped and becomes an error;
+    null = never. It changes no key, and no result but the errors. There is none in ``sync``."""
     jobs: int = 1
     """Slurm jobs; this and all that follows is for ``slurm``."""
     memory: str = "4GB"
@@ -124,7 +127,7 @@ class ClusterConfig:
     logs: str | None = None
     """Folder for what the jobs print; null = where the run was started."""
     options: tuple[str, ...] = ()
-    """Further options of sbatch, such as ``--qos=long``."""
+    """Further options of sbatch, each in quotes: ``cluster.options=['--qos=long','--exclusive']``."""
 
 
 @dataclass(frozen=True)
@@ -299,6 +302,8 @@ def _check_ranges(config: Config) -> None:
         raise ConfigError(f"cluster.workers: must be 1 or more, or null, got {config.cluster.workers}")
     if config.cluster.jobs < 1:
         raise ConfigError(f"cluster.jobs: must be 1 or more, got {config.cluster.jobs}")
+    if config.cluster.limit is not None and config.cluster.limit <= 0.0:
+        raise ConfigError(f"cluster.limit: must be greater than 0, or null, got {config.cluster.limit}")
     for group in sorted(_STAGE_GROUPS):
         parameters = getattr(config, group)
         for f in dataclasses.fields(parameters):

@@ -14,14 +14,23 @@ from pipeline.plan import WorkItem
 from pipeline.stages import code_text, work_of
 from pipeline.store import State, Store
 
+DEADLY = frozenset({"TimeLimit", "ProcessLost", "KilledWorker", "WorkerLost"})
+"""Types of failures that nothing raised."""
+
 
 @dataclass(frozen=True)
 class Failure:
-    """Why a work item made no artifact: the error's type and message, and how often it was tried."""
+    """Why a work item made no artifact: the error's type and message, how often it was tried, and one word for it."""
 
     type: str
     message: str
     attempts: int = 1
+    reason: str = ""
+
+    @property
+    def deadly(self) -> bool:
+        """Whether the item ended its process, or the process had to be ended: others may do well without it."""
+        return self.type in DEADLY
 
 
 @dataclass(frozen=True)
