@@ -22,6 +22,7 @@ from pipeline.plan import (
     plan_fabrications,
     plan_full_trunks,
     plan_motions,
+    plan_paint,
     plan_paper,
     plan_refine,
     plan_select,
@@ -41,6 +42,7 @@ KNOWN_AFTER = {
     "construct": "the shortlist",
     "paper": "construction",
     "motion": "construction",
+    "paint": "construction",
     "fabricate": "construction",
 }
 """When it is known what a stage has to do, of stages that depend on results."""
@@ -102,7 +104,10 @@ def _after_selection(plan: Plan, store: Store) -> list[StageForecast]:
     passed = certified(store, made)
     if plan.config.compare:
         found.append(_stage(store, "paper", plan_paper(plan, least_deformed(store, passed, plan.config.compare))))
-    found.append(_stage(store, "motion", plan_motions(plan, passed)))
+    motion = plan_motions(plan, passed)
+    found.append(_stage(store, "motion", motion))
+    if paint := plan_paint(plan, motion):
+        found.append(_stage(store, "paint", paint))
     if plan.config.fabricate.top:
         best = plan_motions(plan, least_deformed(store, passed, plan.config.fabricate.top))
         found.append(_stage(store, "fabricate", plan_fabrications(plan, best)))
@@ -118,7 +123,8 @@ def _unknown(first: str, plan: Plan) -> list[StageForecast]:
 
 def _optional(config: Config) -> dict[str, int]:
     """How many transforms go to the stages that a run can do without, at most."""
-    return {"paper": config.compare, "fabricate": config.fabricate.top}
+    pictures = config.select.top if config.dataset.kind == "folder" else 0
+    return {"paper": config.compare, "paint": pictures, "fabricate": config.fabricate.top}
 
 
 def _stage(store: Store, name: str, items: Sequence[WorkItem]) -> StageForecast:

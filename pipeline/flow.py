@@ -27,6 +27,7 @@ from pipeline.plan import (
     plan_fabrications,
     plan_full_trunks,
     plan_motions,
+    plan_paint,
     plan_paper,
     plan_refine,
     plan_search,
@@ -151,6 +152,9 @@ def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
         run.stage("paper", beside["paper"])
     motion = plan_motions(plan, passed)
     run.stage("motion", motion)
+    if paint := plan_paint(plan, motion):
+        after["paint"] = paint
+        run.stage("paint", paint)
     if plan.config.fabricate.top:
         best = least_deformed(run.store, passed, plan.config.fabricate.top)
         after["fabricate"] = plan_fabrications(plan, plan_motions(plan, best))

@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import Any
 
 from pipeline.batches import cut
+from pipeline.colour import may_be_coloured
 from pipeline.config import Config
 from pipeline.datasets import Collection
 from pipeline.item import Item
@@ -218,6 +219,19 @@ def plan_paper(plan: Plan, best: Sequence[WorkItem]) -> list[WorkItem]:
 def plan_motions(plan: Plan, certified: Sequence[WorkItem]) -> list[WorkItem]:
     """Motion of every certified construction, in order."""
     return [_after(plan.recipes["motion"], made) for made in certified]
+
+
+def plan_paint(plan: Plan, planned: Sequence[WorkItem]) -> list[WorkItem]:
+    """Skins of the transforms with a motion whose inputs may have colours, in order; only of a folder of pictures."""
+    of, work = plan.recipes["paint"], []
+    for motion in planned if plan.config.dataset.kind == "folder" else ():
+        pictures = [plan.items[position] for position in motion.members]
+        spec = tuple(item if may_be_coloured(item) else None for item in pictures)
+        if spec != (None, None):
+            inputs = [motion.key, *(item.digest for item in spec if item is not None)]
+            parts = of.parts(inputs, [item is not None for item in spec])
+            work.append(WorkItem(parts, of.parameters, (motion.reference,), spec, motion.members))
+    return work
 
 
 def plan_fabrications(plan: Plan, planned: Sequence[WorkItem]) -> list[WorkItem]:

@@ -24,7 +24,7 @@ from riot.shape import FloatArray, IntArray
 
 Row = dict[str, Any]
 
-OF_PAIRS = ("crs", "refine", "construct", "paper", "motion", "fabricate")
+OF_PAIRS = ("crs", "refine", "construct", "paper", "motion", "paint", "fabricate")
 """Stages whose work items concern a pair."""
 
 NOT_BY_SHAPE = ("qcrs", "shards", "partners", "pairs", "select", "shortlist")

@@ -67,6 +67,7 @@ STAGES = (
     Stage("construct", ("construct", "refine.reach"), "pairs"),
     Stage("paper", ("construct", "refine.reach"), "best transforms"),
     Stage("motion", ("motion",), "certified transforms", bundle=16),
+    Stage("paint", (), "transforms of colour pictures", bundle=4),
     Stage("fabricate", ("fabricate.sizes", "fabricate.fix", "fabricate.paper"), "best transforms"),
 )
 

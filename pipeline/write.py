@@ -15,6 +15,7 @@ from pipeline.artifact import Artifact
 from pipeline.outputs import file_name, from_columns, from_rows, new_place, replace_folder, write_parquet, write_table
 from pipeline.puzzles import write_puzzles
 from pipeline.results import Results, Row
+from pipeline.skins import write_skins
 from pipeline.store import write_atomically
 from pipeline.work.construct import DEFORMATION, FIDELITY, RESIDUALS
 from pipeline.work.crs import unpack_scores
@@ -43,6 +44,7 @@ def write_tables(results: Results, folder: Path) -> list[Path]:
         write_table(folder, "selected", [from_rows(tables.SELECTED, _selected(results))]),
         write_table(folder, "crs", [from_rows(tables.CRS, _crs(results))]),
         *_write_transforms(transforms, folder),
+        *write_skins(results, transforms, folder),
         *write_puzzles(results, transforms, folder),
         write_table(folder, "errors", [from_rows(tables.ERRORS, results.errors)]),
         write_table(folder, "timings", [from_rows(tables.TIMINGS, _timings(results))]),

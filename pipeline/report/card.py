@@ -10,6 +10,7 @@ from pipeline.report.rows import TransformRow
 from riot.draw.animate import swing_of
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
 from riot.draw.scene import Box, Mark, Part, Scene, around, extent
+from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import definitions, escape, fragment, naming
 from riot.transform import Transform
 
@@ -37,17 +38,22 @@ class Card:
     thumb: str
 
 
-def card(row: TransformRow, transform: Transform) -> Card:
-    """The card of a row of `transforms` and its ``.riot`` file."""
+def card(row: TransformRow, transform: Transform, skins: Skins = PLAIN) -> Card:
+    """The card of a row of `transforms` and its ``.riot`` file, with the skins of its pieces."""
     drawn = sketch(transform)
-    prefix = naming(drawn.pieces)
+    prefix = naming(drawn.pieces, skins)
     sides = (("p", row.name_p), ("q", row.name_q))
     marks = {side: [view(drawn, side) for view, _ in VIEWS] for side, _ in sides}
     frames = _frames(drawn, marks)
     figures = "".join(
         _figure(
             Scene(
-                f"{name}: {words.format(side.upper())}", frames[side], _pen(frames[side], PANEL_PENS), (), tuple(found)
+                f"{name}: {words.format(side.upper())}",
+                frames[side],
+                _pen(frames[side], PANEL_PENS),
+                (),
+                tuple(found),
+                skins,
             ),
             prefix,
             words.format(side.upper()),
@@ -61,9 +67,9 @@ def card(row: TransformRow, transform: Transform) -> Card:
     box = around([extent(chain, drawn.pieces)], MARGIN)
     straight = Scene(
         f"The chain of {len(drawn)} pieces laid straight: {row.name_p} below, {row.name_q} above",
-        box, _pen(box, CHAIN_PENS), (), chain,
+        box, _pen(box, CHAIN_PENS), (), chain, skins,
     )  # fmt: skip
-    moves = "" if motion is None else _moves(transform, prefix, motion.words)
+    moves = "" if motion is None else _moves(transform, prefix, motion.words, skins)
     body = (
         f'<article class="card" id="t{row.rank}" aria-labelledby="h{row.rank}">'
         f'<header><span class="rank">{row.rank}</span><h3 id="h{row.rank}">{_names(row)}</h3>'
@@ -72,11 +78,11 @@ def card(row: TransformRow, transform: Transform) -> Card:
         f"{moves}{_figure(straight, prefix, 'the chain, straight', 'chain')}</div></div>"
         f"{_numbers(row)}</article>\n"
     )
-    return Card(definitions(drawn.pieces, prefix), body, _thumb(row, drawn, prefix, frames))
+    return Card(definitions(drawn.pieces, prefix, skins), body, _thumb(row, drawn, prefix, frames, skins))
 
 
-def _moves(transform: Transform, prefix: str, words: str) -> str:
-    swing = swing_of(transform, prefix)
+def _moves(transform: Transform, prefix: str, words: str, skins: Skins) -> str:
+    swing = swing_of(transform, prefix, skins)
     picture = fragment(swing.scene, prefix, swing.body, "swing")
     return f"<figure>{picture}<figcaption>the chain {escape(words)}</figcaption></figure>"
 
@@ -94,11 +100,12 @@ def _figure(scene: Scene, prefix: str, caption: str, kind: str = "") -> str:
     return f"<figure>{fragment(scene, prefix, kind=kind)}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _thumb(row: TransformRow, drawn: Transform, prefix: str, frames: dict[str, Box]) -> str:
+def _thumb(row: TransformRow, drawn: Transform, prefix: str, frames: dict[str, Box], skins: Skins) -> str:
     halves = []
     for side, name in (("p", row.name_p), ("q", row.name_q)):
         parts = tuple(mark for mark in dissection_marks(drawn, side) if isinstance(mark, Part))
-        halves.append(fragment(Scene(name, frames[side], _pen(frames[side], THUMB_PENS), (), parts), prefix))
+        scene = Scene(name, frames[side], _pen(frames[side], THUMB_PENS), (), parts, skins)
+        halves.append(fragment(scene, prefix))
     said = f"{row.rank}: {row.name_p} and {row.name_q}, IoU {number(row.iou)}"
     return f'<a class="thumb" href="#t{row.rank}" title="{escape(said)}">{"".join(halves)}</a>'
 

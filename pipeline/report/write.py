@@ -7,6 +7,7 @@ from pathlib import Path
 from pipeline.report.card import Card, card
 from pipeline.report.page import page
 from pipeline.report.rows import TransformRow, read_run
+from pipeline.skins import read_skins
 from pipeline.store import write_atomically
 from riot.errors import FormatError
 from riot.riotfile import from_json
@@ -27,7 +28,8 @@ def write_report(run_dir: Path) -> Path:
     for row in run.made:
         try:
             text = (run_dir / row.file).read_text(encoding="utf-8", errors="replace")
-            cards.append(card(row, from_json(text, row.file)))
+            transform = from_json(text, row.file)
+            cards.append(card(row, transform, read_skins(run_dir, row.file, len(transform))))
         except FileNotFoundError:
             lost.append((row, f"{row.file} is gone; run again to restore it"))
         except FormatError as error:

@@ -23,7 +23,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Sequence[It
     assert isinstance(settings, ShapeParameters)
     errors: list[ErrorRow] = []
     for item in spec:
-        _check_unchanged(item)
+        check_unchanged(item)
     shapes = [
         attempt(index, lambda item=item: open_item(item, settings), errors)  # type: ignore[misc]
         for index, item in enumerate(spec)
@@ -37,7 +37,7 @@ def _without_path(message: str, source: str) -> str:
     return message.replace(source, SOURCE).replace(PurePath(source).name, SOURCE)
 
 
-def _check_unchanged(item: Item) -> None:
+def check_unchanged(item: Item) -> None:
     """Raise RuntimeError when a file is not what the plan was made of: its key would name something else."""
     if item.source.startswith(PREFIX):
         return

@@ -11,14 +11,18 @@ import numpy as np
 import pytest
 
 from pipeline import tables
+from pipeline.artifact import Artifact, encode
 from pipeline.report import write_report
 from pipeline.report.histogram import CELLS, distribution
 from pipeline.report.markup import small
 from pipeline.report.rows import ReportError, read_run
+from pipeline.work.paint import pack_skins
 from pipeline.work.paper import same_trunks
 from riot.construct.laplacian import construct_laplacian
 from riot.draw.palette import hue
 from riot.parameters import ConstructParameters
+from riot.texture.paint import pattern_texture
+from riot.texture.skins import make_skins
 
 VOID = {"meta", "link", "br", "hr", "img", "input"}
 
@@ -288,3 +292,25 @@ def test_an_unfinished_run_is_named(tmp_path, name):
         write_report(tmp_path)
     assert isinstance(caught.value, FileNotFoundError)
     assert not (tmp_path / "report.html").exists()
+
+
+def test_pieces_of_colour_pictures_show_them(tmp_path):
+    folder = tmp_path / "coloured"
+    folder.mkdir()
+    made = fake_run.write_fake_run(folder, made=fake_run.transforms(2))
+    stripes = {"p": pattern_texture("stripes", made[0], "p")}
+    (folder / "skins").mkdir()
+    payload = encode(Artifact(pack_skins(make_skins(made[0], stripes))))
+    (folder / "skins" / "0001.skins").write_bytes(payload)
+    text = write_report(folder).read_text(encoding="utf-8")
+    parsed = Page(text)
+    assert not parsed.stack
+    n, ids = len(made[0]), {attrs["id"] for _, attrs, _ in parsed.elements if "id" in attrs}
+    images = parsed.all("image")
+    assert len(images) == n and all(image["href"].startswith("data:image/jpeg;base64,") for image in images)
+    shown, plain = cards(text)
+    uses = re.findall(r'<use href="#([^"]+)"', shown)
+    assert set(uses) <= ids
+    # P's dissection, the chain and the swing (twice: a still picture too) show the front, Q's dissection colours.
+    assert sum("-p" in use for use in uses) == 4 * n and sum("-p" not in use for use in uses) == n
+    assert "-p" not in "".join(re.findall(r'<use href="#([^"]+)"', plain))

@@ -1,0 +1,111 @@
+"""The stage that paints pieces: skins where the inputs have colours, plain pieces else."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from PIL import Image
+
+from pipeline.artifact import Artifact, decode, encode
+from pipeline.colour import may_be_coloured
+from pipeline.item import Item
+from pipeline.skins import FOLDER, read_skins
+from pipeline.work.paint import run, unpack_skins
+from riot.draw.skin import PLAIN
+from riot.groundtruth import exact_pair, exact_transform
+from riot.riotfile import to_json
+from riot.shape import Shape
+from riot.transform import Transform
+
+SIZE = 160
+
+
+def placed(shape: Shape) -> Shape:
+    """The shape in the middle of a picture."""
+    return replace(shape, to_source=np.array([[50.0, 0.0, 80.0], [0.0, -50.0, 80.0]]))
+
+
+@pytest.fixture(scope="module")
+def transform() -> Transform:
+    found = exact_transform(exact_pair(4, 3)).planned()
+    return replace(found, p=placed(found.p), q=placed(found.q))
+
+
+@pytest.fixture(scope="module")
+def planned(transform: Transform) -> Artifact:
+    return Artifact({}, {"riot": to_json(transform)})
+
+
+def picture(path: Path, shape: Shape, colour: tuple[int, int, int] | None = None, opaque: bool = False) -> Item:
+    """A picture of a shape, in one colour or in many; with a transparent background unless opaque."""
+    x, y = np.meshgrid(np.arange(SIZE), np.arange(SIZE))
+    inside = shapely.contains_xy(shapely.Polygon(shape.source(shape.points)), x.ravel(), y.ravel())
+    inside = inside.reshape(SIZE, SIZE)
+    rgb = np.stack([x, y, 0 * x], axis=2) if colour is None else np.broadcast_to(colour, (SIZE, SIZE, 3))
+    alpha = np.full((SIZE, SIZE, 1), 255) if opaque else 255 * inside[..., None]
+    Image.fromarray(np.concatenate([rgb, alpha], axis=2).astype(np.uint8), "RGBA").save(path)
+    return Item(path.stem, "", str(path), hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def test_pieces_get_the_colours_of_their_pictures(tmp_path: Path, transform: Transform, planned: Artifact) -> None:
+    spec = picture(tmp_path / "p.png", transform.p), picture(tmp_path / "q.png", transform.q)
+    found = run([planned], [], spec)
+    assert found.document == {"sides": ["p", "q"]}
+    skins = unpack_skins(decode(encode(found)).arrays, len(transform))
+    for t, side in ((0.0, "p"), (1.0, "q")):
+        shape = transform.p if side == "p" else transform.q
+        for i, skin in enumerate(skins[side]):
+            x0, y0, x1, y1 = skin.box
+            rows, columns = skin.pixels.shape[:2]
+            middle = np.array(shapely.maximum_inscribed_circle(shapely.Polygon(transform.pieces[i].polygon)).coords[:1])
+            column, row = (middle[0] - [x0, y1]) / [x1 - x0, y0 - y1] * [columns, rows]
+            at = shape.source(transform.pose(t).place(i, middle))[0]
+            assert skin.pixels[int(row), int(column), :2].astype(float) == pytest.approx(at, abs=2.0)
+    assert encode(run([planned], [], spec)) == encode(found)
+
+
+def test_silhouettes_leave_the_pieces_plain(tmp_path: Path, transform: Transform, planned: Artifact) -> None:
+    black = picture(tmp_path / "black.png", transform.p, (0, 0, 0))
+    opaque = picture(tmp_path / "opaque.png", transform.q, opaque=True)
+    found = run([planned], [], (black, opaque))
+    assert not found.arrays and found.document == {"sides": []}
+    one = run([planned], [], (None, picture(tmp_path / "q.png", transform.q)))
+    assert one.document == {"sides": ["q"]}
+
+
+def test_a_picture_that_changed_is_refused(tmp_path: Path, transform: Transform, planned: Artifact) -> None:
+    item = picture(tmp_path / "p.png", transform.p)
+    picture(tmp_path / "p.png", transform.p, (1, 2, 3))
+    with pytest.raises(RuntimeError, match="the file changed"):
+        run([planned], [], (item, None))
+
+
+def test_headers_tell_what_may_have_colours(tmp_path: Path, transform: Transform) -> None:
+    item = picture(tmp_path / "p.png", transform.p)
+    with Image.open(item.source) as image:
+        image.convert("RGB").save(tmp_path / "photo.jpg")
+        image.getchannel("A").save(tmp_path / "mask.png")
+    (tmp_path / "words.png").write_text("no picture")
+    assert may_be_coloured(item)
+    for name in ("photo.jpg", "mask.png", "words.png", "gone.png"):
+        assert not may_be_coloured(replace(item, source=str(tmp_path / name)))
+    assert not may_be_coloured(replace(item, source="sample:card-heart"))
+
+
+def test_skins_are_read_from_a_runs_folder_if_they_are_whole(
+    tmp_path: Path, transform: Transform, planned: Artifact
+) -> None:
+    found = run([planned], [], (picture(tmp_path / "p.png", transform.p), None))
+    (tmp_path / FOLDER).mkdir()
+    target = tmp_path / FOLDER / "0001_a_b.skins"
+    assert read_skins(tmp_path, "transforms/0001_a_b.riot", 4) is PLAIN
+    target.write_bytes(encode(Artifact(found.arrays)))
+    skins = read_skins(tmp_path, "transforms/0001_a_b.riot", 4)
+    assert set(skins) == {"p"} and len(skins["p"]) == 4
+    target.write_bytes(target.read_bytes()[:-100])
+    assert read_skins(tmp_path, "transforms/0001_a_b.riot", 4) is PLAIN
