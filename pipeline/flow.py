@@ -15,6 +15,7 @@ from pipeline.datasets import Collection, collect
 from pipeline.errors import StartError
 from pipeline.events import Listener, Note
 from pipeline.execute import Run, open_run
+from pipeline.outputs import swept
 from pipeline.places.base import Place
 from pipeline.places.choose import open_files
 from pipeline.plan import (
@@ -77,14 +78,20 @@ def check_writable(place: Place, parameter: str) -> None:
 def run_pipeline(config: Config, listen: Listener) -> Outcome:
     """Run everything that the store lacks and write the tables.
 
-    Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` when a folder cannot be written or
-    the cluster cannot be reached.
+    Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` when a folder cannot be written,
+    the cluster cannot be reached, or the machine fails while the tables are written.
     """
     collection = collect(config.dataset)
     check_writable(run_folder(config), "outputs")
     check_writable(config.store, "store")
-    with open_files(config.store).shared():  # what is not yet listed as needed must not be tidied away
-        return _run(config, collection, listen)
+    # What is not yet listed as needed must not be tidied away.
+    with open_files(config.store).shared(), swept(run_folder(config)):
+        try:
+            return _run(config, collection, listen)
+        except OSError as error:  # a full disk, no memory to map a file: what is in the store stays there
+            raise StartError(
+                f"the run had to stop: {error}; make room, and give the same command again: it goes on from here"
+            ) from error
 
 
 def _run(config: Config, collection: Collection, listen: Listener) -> Outcome:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import shutil
 import unicodedata
 import uuid
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pipeline import tables
+from pipeline.places.local import LocalFiles
 from pipeline.results import Row
 from pipeline.store import TEMPORARY
 
@@ -59,6 +61,18 @@ def replace_folder(temporary: Path, target: Path) -> None:
         shutil.rmtree(old)
     else:
         temporary.replace(target)
+
+
+@contextlib.contextmanager
+def swept(folder: Path) -> Iterator[None]:
+    """Enter a run's folder; what a killed run left there half written is removed, unless another run is in it, too."""
+    files = LocalFiles(folder)
+    with files.alone() as alone:
+        if alone:
+            for name in files.names(""):
+                if name.startswith(TEMPORARY):
+                    files.remove(name)
+        yield
 
 
 def file_name(name: str) -> str:

@@ -73,7 +73,7 @@ def committed(store: Store) -> set[Reference]:
 
 
 def after_seconds(seconds: float) -> None:
-    """Die after so much computing, wherever that is: counted in time of the processor, which other load leaves alone."""
+    """Die after so much computing: counted in the processor's time, which other load leaves alone."""
     signal.signal(signal.SIGPROF, signal.SIG_DFL)
     signal.setitimer(signal.ITIMER_PROF, seconds)
 
