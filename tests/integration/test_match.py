@@ -6,12 +6,16 @@ import json
 import shutil
 from pathlib import Path
 
+import manifold3d
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image, ImageDraw
 from small_runs import CLEAN, QUICK, SHAPES, WITH_ERRORS, draw, pictures, run, table
 
 from pipeline.app import main
+from pipeline.match import open_mined
+from pipeline.slices import shortlists
 from riot.parameters import TrunkParameters
 from riot.quick import brute_force, stack
 from riot.silhouette import read
@@ -198,3 +202,28 @@ def test_the_store_is_found_from_anywhere(
     assert done.returncode == CLEAN
     monkeypatch.chdir(tmp_path / "pictures")
     assert matched(capsys, tmp_path, root / "kind1-1.png")[0] in (FOUND, NOTHING)
+
+
+def test_slices_look_for_the_same_partners(mined: Path, tmp_path: Path) -> None:
+    draw(tmp_path / "new.png", 20)
+    opened = open_mined(mined / "outputs" / "folder")
+    found = shortlists(opened, [read(tmp_path / "new.png"), read(tmp_path / "new.png")], 3)
+    expected = [(name, score) for name, _, score, *_ in plain(mined, tmp_path / "new.png")[:3]]
+    assert [[(each.shape.name, each.qcrs) for each in one] for one in found] == [expected, expected]
+    for each in found[0]:
+        again = read(mined / "pictures" / f"{each.shape.name}.png", opened.config.shape)
+        assert np.array_equal(each.shape.points, again.points)
+
+
+def test_slices_become_shapes_of_a_run(mined: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    solid = manifold3d.Manifold.cylinder(40.0, 30.0, 24.0, 40).scale((1.3, 1.0, 1.0)).to_mesh64()
+    trimesh.Trimesh(solid.vert_properties[:, :3], solid.tri_verts.astype(np.int64)).export(tmp_path / "bowl.stl")
+    given = ["slices", str(tmp_path / "bowl.stl"), "--count", "2", "--thickness", "20", "-o", str(tmp_path / "set")]
+    assert main([*given, "--in", str(mined / "outputs" / "folder"), "--candidates", "2"]) == FOUND
+    document = json.loads((tmp_path / "set" / "set.json").read_text(encoding="utf-8"))
+    names = {row["name"] for row in table(mined, "shapes")}
+    assert all(entry["certified"] and entry["counterpart"] in names for entry in document["slices"])
+    assert main([*given[:-1], str(tmp_path / "other")]) == BAD
+    assert "either as files (--into A.png,B.png) or as a run (--in RUN)" in capsys.readouterr().err
+    assert main([*given[:-1], str(tmp_path / "other"), "--in", str(tmp_path)]) == BAD
+    assert "no finished run" in capsys.readouterr().err
