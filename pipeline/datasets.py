@@ -71,12 +71,18 @@ class DatasetConfig:
 
 @dataclass(frozen=True)
 class Rejected:
-    """A file that is no item, though its suffix is a picture's; ``reason`` is one word, the message tells more."""
+    """A file that is no item, though its suffix is a picture's; ``reason`` is one word, the message tells more.
+
+    ``stage``: what rejected it, ``type``: the type of the error, after so many ``attempts``.
+    """
 
     name: str
     source: str
     reason: str
     message: str
+    stage: str = "collect"
+    type: str = "Rejected"
+    attempts: int = 1
 
 
 @dataclass(frozen=True)

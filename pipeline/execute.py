@@ -6,7 +6,7 @@ import contextlib
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pipeline.cluster import Bundle, Executor, Here, open_cluster
 from pipeline.config import ClusterConfig
@@ -63,8 +63,41 @@ class Run:
             stored_seconds=self._stored_seconds(unique.keys(), cached),
             peak_mb=max((receipt.peak_mb for receipt in spent), default=0.0),
         )
-        self.stages.append(ended)
+        self.stages = [*(one for one in self.stages if one.stage != name), self._with_earlier(ended)]
         self.listen(ended)
+
+    def probe(self, items: Sequence[WorkItem]) -> dict[Reference, Failure]:
+        """Bring work items into the store to see which of them fail, and tell nobody; returns their failures."""
+        trial = Run(self.store, lambda event: None, self.cluster)
+        states = self.store.check_all([item.reference for item in items])
+        missing = {
+            item.reference: item for item, (state, _) in zip(items, states, strict=True) if state is not State.PRESENT
+        }
+        if missing:
+            trial._work(self.cluster(), missing)
+        return trial.failed
+
+    def begin_again(self) -> None:
+        """Forget what is done and what failed, because another plan is followed; what was spent is remembered."""
+        self.done.clear()
+        self.failed.clear()
+        self.blocked.clear()
+
+    def _with_earlier(self, ended: StageEnded) -> StageEnded:
+        """A stage with what an earlier plan spent on it: what that computed was not in the store when the run began."""
+        for earlier in self.stages:
+            if earlier.stage == ended.stage:
+                computed = min(earlier.computed, ended.cached)
+                return replace(
+                    ended,
+                    cached=ended.cached - computed,
+                    computed=ended.computed + computed,
+                    failed=ended.failed + earlier.failed,
+                    seconds=ended.seconds + earlier.seconds,
+                    cpu_seconds=ended.cpu_seconds + earlier.cpu_seconds,
+                    peak_mb=max(ended.peak_mb, earlier.peak_mb),
+                )
+        return ended
 
     def _work(self, executor: Executor, ready: dict[Reference, WorkItem]) -> list[Receipt]:
         spent: list[Receipt] = []
@@ -81,7 +114,7 @@ class Run:
                     continue
                 else:
                     failure = receipt.failure
-                    self.failed[reference] = Failure(failure.type, failure.message, failure.attempts + tries - 1)
+                    self.failed[reference] = replace(failure, attempts=failure.attempts + tries - 1)
                 self.listen(ItemDone(receipt.stage, receipt.failure is not None))
             if not again:
                 break

@@ -112,6 +112,16 @@ def make_plan(config: Config, collection: Collection) -> Plan:
     return replace(plan, qcrs=qcrs)
 
 
+def plan_alone(plan: Plan, position: int) -> dict[str, WorkItem]:
+    """The stages of shapes for one item by itself, by name of the stage."""
+    ingest = _ingest(plan.recipes["ingest"], plan.items, range(position, position + 1))
+    return {
+        "ingest": ingest,
+        "reversibility": _after(plan.recipes["reversibility"], ingest),
+        "trunks": _after(plan.recipes["trunks"], ingest),
+    }
+
+
 def plan_search(plan: Plan, done: Set[Reference]) -> Plan:
     """The plan with the search for partners among the batches whose trunks are done.
 

@@ -101,7 +101,13 @@ class Results:
         """Rows of the table of errors: by stage, then by item."""
         rows = [
             _error(
-                one.name, "collect", "", "Rejected", one.reason, self._readable(one.message, one.source, one.name), 1
+                one.name,
+                one.stage,
+                "",
+                one.type,
+                one.reason,
+                self._readable(one.message, one.source, one.name),
+                one.attempts,
             )
             for one in self.collection.rejected
         ]
@@ -117,7 +123,7 @@ class Results:
         failure = self.failed.get(item.reference)
         if failure is not None:
             for name in self._names(item):
-                yield _error(name, stage, item.key, failure.type, "", failure.message, failure.attempts)
+                yield _error(name, stage, item.key, failure.type, failure.reason, failure.message, failure.attempts)
             return
         if item.reference not in self.done or stage in NOT_BY_SHAPE:
             return
