@@ -35,6 +35,7 @@ from pipeline.plan import (
     plan_select,
     plan_shortlist,
 )
+from pipeline.quarantine import bring_shapes
 from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results, certified, least_deformed
 from pipeline.write import write_tables
@@ -126,9 +127,7 @@ def _run(config: Config, collection: Collection, listen: Listener) -> Outcome:
 
 
 def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
-    run.stage("ingest", plan.ingest)
-    run.stage("reversibility", plan.reversibility)
-    run.stage("trunks", plan.trunks)
+    plan, collection = bring_shapes(plan, collection, run)
     if plan.pairs is None:
         scored: dict[str, Sequence[WorkItem]] = {"qcrs": tuple(plan.qcrs.values())}
     else:
