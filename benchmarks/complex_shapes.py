@@ -22,11 +22,11 @@ from pathlib import Path
 
 import numpy as np
 from inputs import pictures
-from partners import Clock, Partners
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from pipeline.study.partners import Clock, Partners
 from riot.errors import RiotError
 from riot.kernels.warm import warm_all
 from riot.parameters import RefineParameters, TrunkParameters

@@ -8,20 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.study.waves import deformed
 from riot.errors import RiotError
 from riot.shape import FloatArray, Shape
 from riot.silhouette import polygon_shape, read
 from riot.trunks import Trunks, quick_trunks
 
 SEED = 2018
-WAVES = 3
-"""Plane waves that a deformation is a sum of."""
-
 AMPLITUDE = 0.03
 """Of all waves together, in units of √area."""
-
-LONGEST, SHORTEST = 3.0, 1.2
-"""Wave lengths, in units of √area."""
 
 TRIES = 6
 """The amplitude is halved so often before a shape is left undeformed."""
@@ -80,21 +75,6 @@ def turned(points: FloatArray, rng: np.random.Generator) -> FloatArray:
     flip = 1.0 if rng.random() < 0.5 else -1.0
     found: FloatArray = points @ np.array([[cosine, sine], [-sine * flip, cosine * flip]])
     return found
-
-
-def deformed(points: FloatArray, amplitude: float, rng: np.random.Generator) -> FloatArray:
-    """Points (m, 2) of a unit-area shape moved by a sum of plane waves, long and low.
-
-    The displacement's greatest slope is at most 2π · amplitude / `SHORTEST` < 1, so that no two places change sides.
-    """
-    moved = points.copy()
-    for _ in range(WAVES):
-        angle, phase, way = rng.uniform(0.0, 2.0 * np.pi, 3)
-        length = rng.uniform(SHORTEST, LONGEST)
-        along = points @ np.array([np.cos(angle), np.sin(angle)])
-        wave = amplitude / WAVES * np.sin(2.0 * np.pi / length * along + phase)
-        moved += wave[:, None] * np.array([np.cos(way), np.sin(way)])
-    return moved
 
 
 def _spread(count: int) -> list[int]:

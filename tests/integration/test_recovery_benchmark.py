@@ -18,9 +18,9 @@ import json, sys
 sys.path.insert(0, sys.argv[1])
 from dataclasses import replace
 import numpy as np
-from hidden import failed_test, hide
-from partners import changed
-from recovery import wilson
+from pipeline.study.hidden import failed_test, hide
+from pipeline.study.partners import changed
+from pipeline.study.statistics import wilson
 from riot import groundtruth
 from riot.parameters import TrunkParameters
 from riot.polyline import edge_lengths, signed_area

@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 from unittest import mock
 
 import numpy as np
-from grown import deformed
-from inputs import PIXELS
 from PIL import Image, ImageDraw
 
+from pipeline.study.waves import deformed
 from riot import groundtruth
 from riot.groundtruth import ExactPair, Topology, exact_pair
 from riot.parameters import D_C, L_C, TrunkParameters
@@ -41,8 +40,8 @@ NARROW: dict[str, object] = {
     "GREATEST_ARC": 0.5,
 }
 """Limits of `riot.groundtruth` for pairs made with no regard to the search: hinges anywhere, shallow pieces."""
-FINER, MARGIN = 4, 8
-"""Pixels are means of so many squared; free pixels at the border."""
+PIXELS, FINER, MARGIN = 256, 4, 8
+"""Side of a picture; its pixels are means of so many squared; free pixels at the border."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,21 +1,29 @@
-"""From a list of shapes to transforms of its pairs, each step made once: what measurements of the search share."""
+"""From a list of shapes to transforms of its pairs, each step made once: what studies of the search share."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from riot.construct.choose import construct_plans, plan_pairs, refine_best, trunk_pairs
 from riot.cross import CrossSide, best_of_prepared, prepare
 from riot.errors import RiotError, TrunkError
-from riot.parameters import ConstructParameters, RefineParameters, TrunkParameters
+from riot.parameters import (
+    QCRS_VARIANTS,
+    ConstructParameters,
+    CrsParameters,
+    QcrsVariant,
+    RefineParameters,
+    TrunkParameters,
+)
 from riot.quick import score_block, stack
 from riot.shape import FloatArray, Shape
 from riot.transform import Transform
-from riot.trunks import full_trunks, quick_trunks
+from riot.trunks import Trunks, compared_trunks, full_trunks
 
 
 @dataclass
@@ -33,18 +41,30 @@ class Clock:
 
 
 class Partners:
-    """Shapes, by number, and what their pairs give."""
+    """Shapes, by number, and what their pairs give; ``variant`` is that of QCRS."""
 
-    def __init__(self, shapes: Sequence[Shape], trunks: TrunkParameters, refinement: RefineParameters) -> None:
-        self.shapes, self.parameters, self.refinement = shapes, trunks, refinement
-        self.quick = [quick_trunks(shape, trunks) for shape in shapes]
+    def __init__(
+        self,
+        shapes: Sequence[Shape],
+        trunks: TrunkParameters,
+        refinement: RefineParameters,
+        crs: CrsParameters | None = None,
+        variant: QcrsVariant = "paper",
+    ) -> None:
+        self.shapes, self.parameters, self.refinement, self.variant = shapes, trunks, refinement, variant
+        self._crs = crs
         self._sides: dict[int, CrossSide] = {}
         self._plans: dict[tuple[int, int], tuple[float, Callable[[], Transform]]] = {}
         self._transforms: dict[tuple[int, int], Transform | RiotError] = {}
 
+    @cached_property
+    def quick(self) -> list[Trunks]:
+        """The trunks of every shape that QCRS compares."""
+        return [compared_trunks(shape, self.variant, self.parameters) for shape in self.shapes]
+
     def quick_scores(self, count: int) -> FloatArray:
         """(count, shapes) QCRS of the first ``count`` with all; −1 of a shape with itself."""
-        found = score_block(stack(self.quick[:count]), stack(self.quick)).score
+        found = score_block(stack(self.quick[:count]), stack(self.quick), QCRS_VARIANTS[self.variant]).score
         scores = found.reshape(count, len(self.shapes)).copy()
         scores[np.arange(count), np.arange(count)] = -1.0
         return scores
@@ -57,7 +77,7 @@ class Partners:
 
     def cross(self, i: int, j: int) -> float:
         """CRS, 0 without trunks of one n."""
-        found = best_of_prepared(self.side(min(i, j)), self.side(max(i, j)))
+        found = best_of_prepared(self.side(min(i, j)), self.side(max(i, j)), self._crs)
         return found[0].score if found else 0.0
 
     def bound(self, i: int, j: int) -> float:
@@ -89,7 +109,7 @@ class Partners:
     def _plan(self, i: int, j: int) -> tuple[float, Callable[[], Transform]]:
         """The bound of a pair's refined trunks, and what constructs on them."""
         if (i, j) not in self._plans:
-            scores = best_of_prepared(self.side(i), self.side(j), None, self.refinement.candidates)
+            scores = best_of_prepared(self.side(i), self.side(j), self._crs, self.refinement.candidates)
             pairs = trunk_pairs(self.shapes[i], self.shapes[j], scores, self.refinement.reach)
             planned, unplanned = plan_pairs(pairs, self.refinement)
             plans = refine_best(planned, self.refinement)

@@ -1,0 +1,186 @@
+"""Whether QCRS orders pairs as CRS does: the paper's experiment (§6), over more pairs, and for both variants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from pipeline.errors import ConfigError, StartError
+from pipeline.study import plots
+from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.finished import Finished
+from pipeline.study.partners import Partners
+from pipeline.study.statistics import Agreement, agreement, calibration, precision
+from riot.parameters import QCRS_VARIANTS, QcrsVariant
+from riot.quick import score_pairs, stack
+from riot.shape import FloatArray, IntArray
+from riot.trunks import compared_trunks
+
+PAPER = 0.774
+"""Share of 1,000 random pairs of pairs that the paper found ordered alike."""
+
+TOPS = (10, 30, 100)
+BINS = 20
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The sample: at most ``pairs`` of each kind, ``draws`` pairs of pairs of them; ``bounds`` pairs are refined."""
+
+    pairs: int = 3000
+    draws: int = 1000
+    bounds: int = 200
+    seed: int = 2018
+
+    def __post_init__(self) -> None:
+        for name, least in (("pairs", 3), ("draws", 1), ("bounds", 0), ("seed", 0)):
+            if getattr(self, name) < least:
+                raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Pairs (k, 2), i < j, of one kind, with their CRS, QCRS by variant, and greatest IoU, nan = not refined."""
+
+    kind: str
+    pairs: IntArray
+    cross: FloatArray
+    quick: dict[QcrsVariant, FloatArray]
+    bound: FloatArray
+
+
+def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+    """Agreement of both variants of QCRS with CRS on two samples, and with the IoU that refined trunks allow.
+
+    ``uniform``: pairs drawn with equal chances from all, as a ranking of the collection meets them. ``classes``: pairs
+    of the shapes of best reversibility of each class, the paper's. QCRS of the run's own variant is read from its
+    tables.
+    """
+    rng = np.random.default_rng(parameters.seed)
+    chosen = {"uniform": uniform(len(finished.mined.names), parameters.pairs, rng)}
+    of_classes = best_of_classes(finished, parameters.pairs, rng)
+    if len(of_classes) >= 3:
+        chosen["classes"] = of_classes
+    partners = Partners(finished.shapes, finished.config.trunks, finished.config.refine, finished.config.crs)
+    samples = []
+    for kind, pairs in chosen.items():
+        say(f"CRS of {len(pairs)} pairs, {kind} …")
+        cross = np.array([partners.cross(i, j) for i, j in pairs.tolist()])
+        quick = {variant: _quick(finished, pairs, variant, partners) for variant in QCRS_VARIANTS}
+        bound = np.full(len(pairs), np.nan)
+        refined = rng.permutation(len(pairs))[: parameters.bounds if kind == "uniform" else 0]
+        for at in refined.tolist():
+            bound[at] = max(0.0, partners.bound(*pairs[at].tolist()))
+        samples.append(Sample(kind, pairs, cross, quick, bound))
+    return _findings(finished, parameters, samples)
+
+
+def uniform(shapes: int, count: int, rng: np.random.Generator) -> IntArray:
+    """(k, 2) pairs i < j of so many shapes, each with equal chances, without repeats; raises `StartError` below 3."""
+    every = shapes * (shapes - 1) // 2
+    if every < 3:
+        raise StartError(f"a study of pairs needs 3 shapes at least, and the run has {shapes}")
+    numbers = np.sort(rng.choice(every, min(count, every), replace=False))
+    # Pair number k lies in the row i that begins at i (2 shapes − i − 1) / 2.
+    begins = np.arange(shapes) * (2 * shapes - np.arange(shapes) - 1) // 2
+    i = np.searchsorted(begins, numbers, side="right") - 1
+    i = np.minimum(i, shapes - 2)
+    return np.stack([i, numbers - begins[i] + i + 1], axis=1).astype(np.int64)
+
+
+def best_of_classes(finished: Finished, count: int, rng: np.random.Generator) -> IntArray:
+    """(k, 2) pairs i < j among the shape of best reversibility of each class, at most ``count`` of them at random."""
+    reversible = np.nan_to_num(finished.values("reversibility", "score"), nan=-1.0)
+    best: dict[str, int] = {}
+    for number, cls in enumerate(finished.classes):
+        if cls and (cls not in best or reversible[number] > reversible[best[cls]]):
+            best[cls] = number
+    members = np.array(sorted(best.values()), dtype=np.int64)
+    if len(members) < 2:
+        return np.empty((0, 2), dtype=np.int64)
+    pairs = uniform(len(members), count, rng) if len(members) > 2 else np.array([[0, 1]])
+    found: IntArray = members[pairs]
+    return found
+
+
+def _quick(finished: Finished, pairs: IntArray, variant: QcrsVariant, partners: Partners) -> FloatArray:
+    """QCRS of one variant: the run's own from its tables, the other by the variant's own sigmas."""
+    settings = finished.config
+    if variant == settings.qcrs.variant:
+        return finished.quick_scores(pairs)
+    numbers, local = np.unique(pairs, return_inverse=True)
+    stacked = stack([compared_trunks(partners.shapes[k], variant, settings.trunks) for k in numbers.tolist()])
+    return score_pairs(stacked, stacked, local.reshape(-1, 2).astype(np.int64), QCRS_VARIANTS[variant]).score
+
+
+def _findings(finished: Finished, parameters: Parameters, samples: list[Sample]) -> Findings:
+    meets, tops, figures, said = [], [], {}, {}
+    for sample in samples:
+        refined = np.isfinite(sample.bound)
+        for variant, quick in sample.quick.items():
+            found = agreement(quick, sample.cross, parameters.draws, parameters.seed)
+            said[sample.kind, variant] = found
+            meets.append((sample.kind, variant, "CRS", *_cells(found)))
+            row = [f"{precision(quick, sample.cross, min(top, len(quick))):.0%}" for top in TOPS]
+            tops.append((sample.kind, variant, "CRS", *row))
+            if refined.sum() >= 3:
+                true = agreement(quick[refined], sample.bound[refined], parameters.draws, parameters.seed)
+                meets.append((sample.kind, variant, "IoU", *_cells(true)))
+                row = [f"{precision(quick[refined], sample.bound[refined], top):.0%}" if top < refined.sum() else "–"
+                       for top in TOPS]  # fmt: skip
+                tops.append((sample.kind, variant, "IoU", *row))
+            bands = calibration(quick, sample.cross, BINS)
+            caption = f"QCRS ({variant}) and CRS, {sample.kind} pairs"
+            figures[f"{sample.kind}-{variant}"] = (
+                plots.scatter((quick, sample.cross), bands, f"QCRS, {variant}", "CRS"), caption,
+            )  # fmt: skip
+    own = said["uniform", finished.config.qcrs.variant]
+    head = ("pairs", "QCRS", "beside", "pairs", "alike", "95 %", "of all", "Kendall", "Spearman", "nearly tied")
+    return Findings(
+        f"Consistency of QCRS with CRS on {finished.mined.dataset}",
+        f"Two random pairs of shapes are ordered alike by QCRS and CRS in {own.alike} of {own.drawn} draws "
+        f"({own.low:.1%} to {own.high:.1%}) by the run's variant, {finished.config.qcrs.variant}; in the paper in "
+        f"{PAPER:.1%} of 1,000. “Nearly tied” is the share of the others whose CRS or IoU are less than 0.05 apart; "
+        "IoU is what refined trunks allow the worse shape.",
+        _table(samples),
+        [
+            Sheet("Pairs of pairs ordered alike", head, meets, 3),
+            Sheet("Precision of the best by QCRS", ("pairs", "QCRS", "beside", *(f"first {k}" for k in TOPS)), tops, 3),
+        ],
+        figures,
+    )
+
+
+def _cells(found: Agreement) -> tuple[str, ...]:
+    return (
+        f"{found.pairs:,}",
+        f"{found.alike} of {found.drawn}",
+        f"{found.low:.1%} – {found.high:.1%}",
+        *(f"{value:.3f}" for value in (found.share, found.kendall, found.spearman, found.nearly_tied)),
+    )
+
+
+def _table(samples: list[Sample]) -> pa.Table:
+    score = "score in [0, 1]"
+    joined = {
+        "cross": np.concatenate([each.cross for each in samples]),
+        "bound": np.concatenate([each.bound for each in samples]),
+    }
+    pairs = np.concatenate([each.pairs for each in samples])
+    return of_columns(
+        "Sampled pairs with their scores.",
+        [
+            (column("sample", pa.string(), "how the pair was drawn"),
+             [each.kind for each in samples for _ in range(len(each.pairs))]),
+            (column("i", pa.int32(), "first shape", "shape number"), pairs[:, 0]),
+            (column("j", pa.int32(), "second shape", "shape number"), pairs[:, 1]),
+            *((column(f"qcrs_{variant}", pa.float64(), f"QCRS, variant {variant}", score),
+               np.concatenate([each.quick[variant] for each in samples])) for variant in QCRS_VARIANTS),
+            (column("crs", pa.float64(), "CRS", score), joined["cross"]),
+            (column("bound", pa.float64(), "greatest IoU of the worse shape on refined trunks; nan = not refined", "1"),
+             joined["bound"]),
+        ],
+    )  # fmt: skip

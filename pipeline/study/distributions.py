@@ -1,0 +1,103 @@
+"""How reversibility and QCRS are spread over a collection, and what shapes along the scale look like (Figs. 17, 18)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from pipeline.errors import ConfigError
+from pipeline.study import plots
+from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.finished import Finished
+from pipeline.study.statistics import quantiles
+from riot.shape import FloatArray, IntArray
+
+SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
+WORDS = ("least", "25 %", "median", "75 %", "greatest")
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """``samples`` shapes are shown along the scale of reversibility."""
+
+    samples: int = 10
+
+    def __post_init__(self) -> None:
+        if self.samples < 2:
+            raise ConfigError(f"samples: must be 2 or more, got {self.samples}")
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Scores of one kind of one class, or of all."""
+
+    score: str
+    cls: str
+    values: FloatArray
+
+
+def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+    """Distributions of S_r and QCRS, over everything and by class, and shapes at equal steps of rank by S_r."""
+    reversible = finished.values("reversibility", "score")
+    groups = list(_groups(finished, reversible))
+    found = [quantiles(group.values, SHARES) for group in groups]
+    table = of_columns(
+        "Distribution of each score over everything and by class; a pair counts for both its classes.",
+        [
+            (column("score", pa.string(), "which score"), [group.score for group in groups]),
+            (column("class", pa.string(), "class of the shape, or of one of the two; empty = all"),
+             [group.cls for group in groups]),
+            (column("values", pa.int64(), "how many", "count"), [int(np.isfinite(g.values).sum()) for g in groups]),
+            *((column(f"q{share:.2f}", pa.float64(), f"quantile {share:.2f}", "score in [0, 1]"),
+               [row[place] for row in found]) for place, share in enumerate(SHARES)),
+        ],
+    )  # fmt: skip
+    everything = {group.score: group.values for group in groups if not group.cls}
+    kinds = {name: {g.cls: g.values for g in groups if g.cls and g.score == name} for name in everything}
+    order = np.argsort(reversible, kind="stable")[: int(np.isfinite(reversible).sum())]
+    chosen = order[np.linspace(0, len(order) - 1, min(parameters.samples, len(order))).astype(np.int64)]
+    shown = [finished.shapes[number] for number in chosen]
+    captions = [f"{finished.mined.names[number]}\n{reversible[number]:.3f}" for number in chosen]
+    figures = {
+        "scale": (plots.along(shown, captions), "Shapes along the scale of reversibility, at equal steps of rank"),
+        "reversibility": (
+            plots.histograms({"S_r": everything["S_r"]}, "reversibility score", "shapes"), "All shapes",
+        ),
+        "qcrs": (plots.histograms({"QCRS": everything["QCRS"]}, "QCRS", "pairs", logarithmic=True), "All pairs"),
+    }  # fmt: skip
+    for name, of_kind in kinds.items():
+        if of_kind:
+            ordered = sorted(of_kind, key=lambda cls, of=of_kind: -float(np.nanmedian(of[cls])))  # type: ignore[misc]
+            figures[f"{name.lower()}-classes"] = (
+                plots.boxes({cls: of_kind[cls] for cls in ordered}, name),
+                f"{name} by class, the highest median first",
+            )
+    cells = [
+        (group.score, f"{np.isfinite(group.values).sum():,}", *(f"{value:.3f}" for value in row))
+        for group, row in zip(groups, found, strict=True)
+        if not group.cls
+    ]
+    return Findings(
+        f"Scores of {finished.mined.dataset}",
+        "How the scores are spread over all shapes and all pairs, and class by class.",
+        table,
+        [Sheet("All shapes and pairs", ("score", "values", *WORDS), cells)],
+        figures,
+    )
+
+
+def _groups(finished: Finished, reversible: FloatArray) -> Iterator[Group]:
+    i, j, score = (finished.quick.column(name).to_numpy() for name in ("i", "j", "score"))
+    yield Group("S_r", "", reversible)
+    yield Group("QCRS", "", score)
+    names = sorted(set(finished.classes) - {""})
+    number: IntArray = np.array([names.index(cls) if cls else -1 for cls in finished.classes], dtype=np.int64)
+    a, b = number[i], number[j]
+    for k, cls in enumerate(names):
+        yield Group("S_r", cls, reversible[number == k])
+        ours = score[(a == k) | (b == k)]
+        if len(ours):
+            yield Group("QCRS", cls, ours)

@@ -1,0 +1,131 @@
+"""What a study found, and how it is written: a table with units, figures, and a page. Ours."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import pyarrow as pa
+import pyarrow.parquet as pq
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from pipeline.report.markup import section, table
+from pipeline.report.style import style_sheet
+from pipeline.store import write_atomically
+from riot.draw.svg import escape
+
+TABLE, PAGE = "table.parquet", "report.html"
+DOTS_PER_INCH = 160
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A small table of the page: plain text in the cells, numbers flush right from column ``numeric`` on."""
+
+    title: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numeric: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """A study's outcome: a sentence or two, the table of all its values, and what the page shows.
+
+    ``figures`` are by file name without suffix, each with its caption.
+    """
+
+    title: str
+    lead: str
+    table: pa.Table
+    sheets: Sequence[Sheet] = ()
+    figures: Mapping[str, tuple[Figure, str]] = field(default_factory=dict)
+
+
+def column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
+    """A column of a study's table, with its meaning and unit as metadata."""
+    return pa.field(name, kind, metadata={"meaning": meaning, "unit": unit})
+
+
+def of_columns(meaning: str, columns: Sequence[tuple[pa.Field, Any]]) -> pa.Table:
+    """A table of columns and their values."""
+    schema = pa.schema([one for one, _ in columns], metadata={"meaning": meaning})
+    return pa.table([pa.array(values, one.type) for one, values in columns], schema=schema)
+
+
+def write_findings(found: Findings, folder: Path) -> Path:
+    """Write the table, every figure as PNG and SVG, and the page, whose path is returned.
+
+    The same findings give the same bytes.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    stream = io.BytesIO()
+    pq.write_table(found.table, stream)
+    write_atomically(folder / TABLE, stream.getvalue())
+    shown = []
+    for name, (figure, caption) in found.figures.items():
+        drawn = svg(figure, name)
+        write_atomically(folder / f"{name}.svg", drawn)
+        write_atomically(folder / f"{name}.png", png(figure))
+        shown.append(_picture(drawn, caption))
+    write_atomically(folder / PAGE, _page(found, shown).encode())
+    return folder / PAGE
+
+
+def png(figure: Figure) -> bytes:
+    """A figure as PNG, without a date."""
+    stream = io.BytesIO()
+    FigureCanvasAgg(figure).print_figure(stream, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def svg(figure: Figure, name: str) -> bytes:
+    """A figure as SVG, without a date, the ids in it made of ``name``."""
+    stream = io.BytesIO()
+    with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):
+        FigureCanvasSVG(figure).print_figure(stream, format="svg", metadata={"Date": None, "Creator": None})
+    return stream.getvalue()
+
+
+def _picture(drawn: bytes, caption: str) -> str:
+    # As an image of its own, the ids of one figure do not meet those of another.
+    data = base64.b64encode(drawn).decode()
+    return (
+        f'<figure class="plot"><img alt="" style="display:block;width:100%" src="data:image/svg+xml;base64,{data}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+    )
+
+
+def _page(found: Findings, pictures: Sequence[str]) -> str:
+    sections = [
+        section(
+            f"s{number}",
+            sheet.title,
+            '<div class="sheet">'
+            + table(
+                [escape(name) for name in sheet.head],
+                [[escape(cell) for cell in row] for row in sheet.rows],
+                [place >= sheet.numeric for place in range(len(sheet.head))],
+                sheet.title,
+            )
+            + "</div>",
+        )
+        for number, sheet in enumerate(found.sheets)
+    ]
+    if pictures:
+        sections.append(section("figures", "Figures", f'<div class="plots">{"".join(pictures)}</div>'))
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(found.title)}</title>\n<style>{style_sheet()}</style></head>\n<body>\n"
+        f'<header class="top"><p class="kicker">Study</p><h1>{escape(found.title)}</h1>'
+        f'<p class="lead">{escape(found.lead)}</p></header>\n<main>\n{"".join(sections)}</main>\n'
+        f"<footer>Every value is in {TABLE} beside this page.</footer>\n</body></html>\n"
+    )

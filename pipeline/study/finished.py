@@ -1,0 +1,88 @@
+"""What a study reads: the tables and shapes of a finished run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.dataset as ds
+import pyarrow.parquet as pq
+
+from pipeline import tables
+from pipeline.config import Config
+from pipeline.errors import StartError
+from pipeline.match import Mined, open_mined
+from pipeline.work.items import count_shapes, unpack_shape
+from riot.shape import FloatArray, IntArray, Shape
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """A finished run, mined by the code that is here."""
+
+    mined: Mined
+
+    @classmethod
+    def open(cls, folder: Path) -> Finished:
+        """The run in ``folder`` and the store that it names; raises `StartError` as `pipeline.match.open_mined`."""
+        return cls(open_mined(folder))
+
+    @property
+    def config(self) -> Config:
+        """What the run was told."""
+        return self.mined.config
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """The class of every shape, "" without one."""
+        return self.mined.classes
+
+    def table(self, name: str, *columns: str) -> pa.Table:
+        """Columns of one of the run's tables, all if none are named; raises `StartError` if the table is gone."""
+        path = self.mined.folder / f"{name}.parquet"
+        try:
+            return pq.read_table(path, columns=list(columns) or None)
+        except OSError as error:
+            raise StartError(f"{path}: gone or not readable; run the pipeline again to restore it") from error
+
+    def values(self, name: str, column: str) -> FloatArray:
+        """One column of numbers, nan = null."""
+        return np.asarray(self.table(name, column).column(column).to_numpy(), dtype=np.float64)
+
+    @cached_property
+    def quick(self) -> pa.Table:
+        """i, j, score of every pair that the run scored."""
+        columns = ["i", "j", "score"]
+        return ds.dataset(self.mined.folder / "qcrs", tables.QCRS, format="parquet").to_table(columns=columns)
+
+    def quick_scores(self, pairs: IntArray) -> FloatArray:
+        """(k,) QCRS of ``pairs`` (k, 2), i < j; raises `StartError` if the run did not score them all."""
+        count = len(self.mined.names)
+        i, j = (self.quick.column(name).to_numpy().astype(np.int64) for name in ("i", "j"))
+        keys, wanted = i * count + j, pairs[:, 0] * count + pairs[:, 1]
+        order = np.argsort(keys, kind="stable")
+        places = np.minimum(np.searchsorted(keys[order], wanted), max(len(keys) - 1, 0))
+        if not len(keys) or (keys[order][places] != wanted).any():
+            raise StartError(f"{self.mined.folder}: QCRS of some pairs is missing; this study needs qcrs.mode=all")
+        return np.asarray(self.quick.column("score").to_numpy()[order][places], dtype=np.float64)
+
+    @cached_property
+    def shapes(self) -> list[Shape]:
+        """The shapes by number."""
+        store, found, at = self.mined.store, dict[int, Shape](), 0
+        for key in self.mined.trunks:
+            entry = store.entry("trunks", key)
+            assert entry is not None  # it was read when the run was opened
+            batch = store.get("ingest", entry.parts["inputs"][0])
+            for index in range(count_shapes(batch)):
+                number = int(self.mined.numbers[at])
+                at += 1
+                shape = unpack_shape(batch, index, self.mined.names[number]) if number >= 0 else None
+                if shape is not None:
+                    found[number] = shape
+        if len(found) != len(self.mined.names):
+            raise StartError(f"{self.mined.folder}: some shapes have no trunks because the work failed; run it again")
+        return [found[number] for number in range(len(found))]

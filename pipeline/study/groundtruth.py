@@ -1,0 +1,160 @@
+"""Whether the search finds exact pairs that are hidden in a run's collection, and how little it deforms them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+import pyarrow as pa
+
+from pipeline.errors import ConfigError
+from pipeline.study import plots
+from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.finished import Finished
+from pipeline.study.hidden import hide
+from pipeline.study.partners import Partners
+from pipeline.study.recovery import QUANTILES, WAYS, Closeness, Figure, Found, Search, figures, quantiles
+from riot.parameters import QCRS_VARIANTS, QcrsVariant
+from riot.shape import FloatArray
+
+PIECES = (3, 4, 5, 6)
+"""Numbers of pieces of the hidden pairs, in turn."""
+
+RANKS = 400
+"""The curve of recall ends here."""
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """``pairs`` are hidden, drawn after deforming them by waves of amplitude ``deform``, in units of √area.
+
+    Of each hidden shape the ``keep`` best partners by QCRS go on to CRS, of these the ``few`` best to construction.
+    """
+
+    pairs: int = 20
+    deform: float = 0.0
+    keep: int = 100
+    few: int = 5
+
+    def __post_init__(self) -> None:
+        for name, least in (("pairs", 1), ("deform", 0.0), ("keep", 1), ("few", 1)):
+            if getattr(self, name) < least:
+                raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
+
+
+def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+    """Ranks of the true partner by QCRS, of both variants, and by CRS and IoU with the run's; IoU of the hidden pairs.
+
+    Trunks and refinement are found with the run's parameters.
+    """
+    pairs, left_out = hide(parameters.pairs, PIECES, parameters.deform)
+    shapes = [side.shape for pair in pairs for side in (pair.p, pair.q)] + finished.shapes
+    settings, own = finished.config, finished.config.qcrs.variant
+    searched = {
+        variant: Partners(shapes, settings.trunks, settings.refine, settings.crs, variant) for variant in QCRS_VARIANTS
+    }
+    search = Search(pairs, searched[own], parameters.keep, parameters.few)
+    found = search.run(say)
+    close = [search.closeness(number) for number in range(len(pairs))]
+    ranks = {own: np.array([float(one.quick_rank) for one in found])}
+    for variant, partners in searched.items():
+        if variant != own:
+            say(f"QCRS, {variant}, of the hidden shapes …")
+            ranks[variant] = _quick_ranks(partners, len(found))
+    return _findings(finished, parameters, found, close, ranks, left_out)
+
+
+def _quick_ranks(partners: Partners, hidden: int) -> FloatArray:
+    """(hidden,) rank of each hidden shape's partner by QCRS, from 1, behind all of equal score."""
+    scores = partners.quick_scores(hidden)
+    mates = scores[np.arange(hidden), np.arange(hidden) ^ 1]
+    return np.asarray((scores >= mates[:, None]).sum(axis=1), dtype=np.float64)
+
+
+def _findings(
+    finished: Finished,
+    parameters: Parameters,
+    found: Sequence[Found],
+    close: Sequence[Closeness],
+    ranks: dict[QcrsVariant, FloatArray],
+    left_out: int,
+) -> Findings:
+    rows = figures(found, close, parameters.keep)
+    causes = Counter(one.cause for one in found if one.cause)
+    cross = np.array([np.nan if one.cross_rank is None else one.cross_rank for one in found])
+    worst = np.array([one.found for one in close])
+    curves = {**{f"QCRS, {variant}": each for variant, each in ranks.items()}, "CRS": cross}
+    depths = (1, 3, 10, 50, 100, 400)
+    at = [(name, *(f"{np.mean(each <= depth):.1%}" for depth in depths)) for name, each in curves.items()]
+    spread = [
+        (WAYS[way], *(f"{row[word]:.5f}" for word in QUANTILES), f"{row['refused']:.0f}")
+        for way, row in quantiles(close).items()
+    ]
+    return Findings(
+        f"Hidden exact pairs in {finished.mined.dataset}",
+        f"{len(found)} shapes of {len(close)} exact pairs among {len(found) + len(finished.mined.names)} shapes; "
+        f"{left_out} pairs were left out as degenerate. CRS and construction follow QCRS of the run's variant, "
+        f"{finished.config.qcrs.variant}, whose first {parameters.keep} go on.",
+        _table(found, close, ranks),
+        [
+            Sheet("Shares", ("share", "count", "of", "95 %", "target", *_sizes(rows)), [_cells(row) for row in rows]),
+            Sheet("Partners among the first", ("by", *map(str, depths)), at),
+            Sheet("IoU of the worse shape", ("given", *QUANTILES, "refused"), spread),
+            Sheet("Partner not first in the end; lost at", ("cause", "shapes"),
+                  [(cause, str(count)) for cause, count in causes.most_common()]),
+        ],
+        {
+            "recall": (plots.recall(curves, RANKS), "Partners found among the first r of a ranking"),
+            "iou": (plots.histograms({"IoU": worst}, "IoU of the worse shape", "pairs"),
+                    "Hidden pairs, constructed as the search finds them"),
+        },
+    )  # fmt: skip
+
+
+def _sizes(rows: Sequence[Figure]) -> list[str]:
+    return [f"n = {n}" for n in sorted({n for row in rows for n in row.by_n})]
+
+
+def _cells(row: Figure) -> tuple[str, ...]:
+    aim = "" if row.target is None else f"{row.target:.0%}"
+    by_n = [f"{good}/{of}" for good, of in row.by_n.values()]
+    return row.name, str(row.good), str(row.of), f"{row.low:.1%} – {row.high:.1%}", aim, *by_n
+
+
+def _table(found: Sequence[Found], close: Sequence[Closeness], ranks: dict[QcrsVariant, FloatArray]) -> pa.Table:
+    kinds = {"str": pa.string(), "int": pa.int32(), "bool": pa.bool_(), "float": pa.float64(), "int | None": pa.int32()}
+    meanings = {
+        "name": "hidden shape",
+        "n": "pieces of its pair",
+        "topology": "kind of its dissection trees",
+        "curved": "whether its arcs are curved",
+        "quick_rank": "rank of its partner by QCRS",
+        "quick_score": "QCRS with its partner",
+        "quick_lost": "test that its or its partner's true trunk fails for QCRS, empty = none",
+        "cross_rank": "rank of its partner by CRS, null = did not get so far",
+        "cross_score": "CRS with its partner",
+        "full_lost": "test that its or its partner's true trunk fails for CRS, empty = none",
+        "final_rank": "rank of its partner by IoU, null = did not get so far",
+        "first": "the partner of highest IoU",
+        "first_iou": "IoU of the worse shape with it",
+        "cause": "where its partner was lost, empty = first in the end",
+    }
+    columns = [
+        (column(each.name, kinds[str(each.type)], meanings[each.name]), [getattr(one, each.name) for one in found])
+        for each in fields(Found)
+    ]
+    columns += [
+        (
+            column(f"rank_{variant}", pa.int32(), f"rank of its partner by QCRS, variant {variant}"),
+            each.astype(np.int32).tolist(),
+        )
+        for variant, each in ranks.items()
+    ]
+    columns += [
+        (column(f"iou_{way}", pa.float64(), f"IoU of the pair's worse shape: {words}; nan = refused", "1"),
+         [getattr(close[place // 2], way) for place in range(len(found))])
+        for way, words in WAYS.items()
+    ]  # fmt: skip
+    return of_columns("Hidden shapes and what became of their partners.", columns)

@@ -1,0 +1,97 @@
+"""How far two scores of the same pairs agree, and how sure a share is. Ours, on scipy's correlations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from riot.shape import FloatArray
+
+SURE = 1.959964
+"""Standard deviations of a 95 % interval."""
+
+TIED = 0.05
+"""Scores that differ by less are nearly tied."""
+
+
+def wilson(good: float, trials: int) -> tuple[float, float]:
+    """95 % interval of a share of ``good`` in ``trials``, by Wilson."""
+    z2 = SURE**2
+    share = good / trials
+    middle = (share + z2 / (2 * trials)) / (1 + z2 / trials)
+    half = math.sqrt(z2 * (share * (1 - share) + z2 / (4 * trials)) / trials) / (1 + z2 / trials)
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How far a score orders pairs as a reference does.
+
+    ``alike`` of ``drawn`` random pairs of pairs are ordered alike, ``low`` to ``high`` the share's 95 % interval;
+    ``share`` is that of all pairs of pairs. Pairs of pairs that either score ties have no order and do not count. Of
+    those ordered otherwise, ``nearly_tied`` is the share whose reference scores differ by less than `TIED`.
+    """
+
+    pairs: int
+    alike: int
+    drawn: int
+    low: float
+    high: float
+    share: float
+    kendall: float
+    spearman: float
+    nearly_tied: float
+
+
+def agreement(score: FloatArray, reference: FloatArray, draws: int, seed: int) -> Agreement:
+    """Compare (k,) scores with (k,) reference scores, on ``draws`` random pairs of pairs at most, and on all.
+
+    Raises ValueError when no two pairs differ in both.
+    """
+    i, j = np.triu_indices(len(score), 1)
+    first, second = np.sign(score[i] - score[j]), np.sign(reference[i] - reference[j])
+    ordered = np.flatnonzero((first != 0.0) & (second != 0.0))
+    if not len(ordered):
+        raise ValueError("no two pairs differ in both scores: there is nothing to compare")
+    same = (first == second)[ordered]
+    drawn = np.random.default_rng(seed).permutation(len(ordered))[:draws]
+    alike = int(same[drawn].sum())
+    apart = np.abs(reference[i] - reference[j])[ordered][~same]
+    return Agreement(
+        len(score),
+        alike,
+        len(drawn),
+        *wilson(alike, len(drawn)),
+        float(same.mean()),
+        float(stats.kendalltau(score, reference).statistic),
+        float(stats.spearmanr(score, reference).statistic),
+        float((apart < TIED).mean()) if len(apart) else 0.0,
+    )
+
+
+def precision(score: FloatArray, reference: FloatArray, count: int) -> float:
+    """The share of the ``count`` best by ``score`` that are among the ``count`` best by ``reference``."""
+    best = [set(np.argsort(-each, kind="stable")[:count].tolist()) for each in (score, reference)]
+    return len(best[0] & best[1]) / min(count, len(score))
+
+
+def calibration(score: FloatArray, reference: FloatArray, bins: int) -> list[tuple[float, float, float, float]]:
+    """The reference by equally full ``bins`` of the score: mean score, and the reference's quartiles."""
+    order = np.argsort(score, kind="stable")
+    rows = []
+    for part in np.array_split(order, bins):
+        if len(part):
+            low, middle, high = np.quantile(reference[part], (0.25, 0.5, 0.75)).tolist()
+            rows.append((float(score[part].mean()), low, middle, high))
+    return rows
+
+
+def quantiles(values: Sequence[float] | FloatArray, shares: Sequence[float]) -> list[float]:
+    """Quantiles of the finite values; nan without any."""
+    known = np.asarray(values, dtype=np.float64)
+    known = known[np.isfinite(known)]
+    return np.quantile(known, shares).tolist() if len(known) else [math.nan] * len(shares)

@@ -1,0 +1,94 @@
+"""What each step costs in a run, beside the paper's table of times."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pyarrow as pa
+
+from pipeline.study import plots
+from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.finished import Finished
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """There are none."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A row of the paper's table: the stages that do the same here, the paper's seconds an item, and what an item is.
+
+    The paper ran MATLAB on a desktop of 4 GHz (§6).
+    """
+
+    name: str
+    stages: tuple[str, ...]
+    paper: float
+    unit: str
+
+
+STEPS = (
+    Step("reversibility score", ("reversibility",), 0.12, "shape"),
+    Step("QCRS", ("qcrs",), 1.99, "pair"),
+    Step("candidate trunks", ("trunks_full",), 10.36, "shape of a selected pair"),
+    Step("trunk pair selection (CRS)", ("crs",), 11.90, "selected pair"),
+    Step("boundary deformation", ("refine", "construct"), 131.4, "pair"),
+)
+
+
+def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+    """Seconds an item of every step, as its artifacts took when they were computed; nan where the run has none."""
+    rows = {str(row["stage"]): row for row in finished.table("timings").to_pylist()}
+    counts = _counts(finished)
+    ours = []
+    for step in STEPS:
+        parts = [_seconds(rows, stage, counts) for stage in step.stages]
+        ours.append(sum(parts))
+    faster = [step.paper / mine for step, mine in zip(STEPS, ours, strict=True)]
+    table = of_columns(
+        "Time of each step of the method, beside the paper's.",
+        [
+            (column("step", pa.string(), "step of the method"), [step.name for step in STEPS]),
+            (column("item", pa.string(), "what the time is of"), [step.unit for step in STEPS]),
+            (column("paper", pa.float64(), "time of one item in the paper", "s"), [step.paper for step in STEPS]),
+            (column("ours", pa.float64(), "mean time of one item in this run, on one core; nan = none", "s"), ours),
+            (column("ratio", pa.float64(), "paper / ours", "1"), faster),
+        ],
+    )
+    cells = [
+        (step.name, step.unit, _said(step.paper), _said(mine), f"{ratio:,.0f} ×" if math.isfinite(ratio) else "–")
+        for step, mine, ratio in zip(STEPS, ours, faster, strict=True)
+    ]
+    figure = plots.bars(
+        [step.name for step in STEPS], {"paper": [step.paper for step in STEPS], "this run": ours}, "seconds an item"
+    )
+    return Findings(
+        f"Time of {finished.mined.dataset}",
+        "Mean time of each step, as the run's artifacts took when they were computed, reading and writing aside. The "
+        "paper's machine was another one, and its boundary deformation is another method than the exact one.",
+        table,
+        [Sheet("Seconds an item", ("step", "of a", "paper", "this run", "ratio"), cells, 2)],
+        {"timing": (figure, "Time of one item of each step")},
+    )
+
+
+def _counts(finished: Finished) -> dict[str, int]:
+    """How many items of the paper's kind are in a stage's work, where its work items are batches."""
+    shapes = len(finished.mined.names)
+    return {"reversibility": shapes, "qcrs": finished.quick.num_rows}
+
+
+def _seconds(rows: dict[str, dict[str, float]], stage: str, counts: dict[str, int]) -> float:
+    row = rows.get(stage)
+    if row is None or row["stored_seconds"] is None:
+        return math.nan
+    items = counts.get(stage, row["cached"] + row["computed"])
+    return float(row["stored_seconds"]) / items if items else math.nan
+
+
+def _said(seconds: float) -> str:
+    return f"{seconds:.3g} s" if seconds >= 0.1 else f"{1e3 * seconds:.3g} ms" if math.isfinite(seconds) else "–"

@@ -1,0 +1,120 @@
+"""Studies of a small finished run: files, values that can be checked against the tables, and refusals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from small_runs import CLEAN, pictures, run
+
+from pipeline.study.__main__ import main
+from pipeline.study.registry import STUDIES
+
+
+@pytest.fixture(scope="module")
+def where(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("studied")
+    done = run(folder, pictures(folder / "pictures"), "cluster=sync")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    return folder
+
+
+def study(where: Path, name: str, *more: str) -> tuple[int, Path]:
+    outputs = where / "outputs"
+    data = ("+dataset=folder", f"dataset.root={where / 'pictures'}", f"outputs={outputs}")
+    return main([name, *data, *more]), outputs / "folder" / "study" / name
+
+
+def table(folder: Path) -> list[dict[str, object]]:
+    return pq.read_table(folder / "table.parquet").to_pylist()
+
+
+QUICK = {
+    "consistency": ("pairs=20", "bounds=3", "draws=50"),
+    "distributions": ("samples=4",),
+    "groundtruth": ("pairs=1", "keep=3", "few=1"),
+    "timing": (),
+}
+
+
+@pytest.fixture(scope="module")
+def made(where: Path) -> dict[str, Path]:
+    """The folder of every study, each made once."""
+    found = {name: study(where, name, *more) for name, more in QUICK.items()}
+    assert [code for code, _ in found.values()] == [CLEAN] * len(STUDIES)
+    return {name: folder for name, (_, folder) in found.items()}
+
+
+@pytest.mark.parametrize("name", sorted(STUDIES))
+def test_every_study_writes_a_table_with_units_figures_and_a_page(made: dict[str, Path], name: str) -> None:
+    folder = made[name]
+    schema = pq.read_schema(folder / "table.parquet")
+    assert schema.metadata[b"meaning"]
+    assert all(field.metadata[b"meaning"] and b"unit" in field.metadata for field in schema)
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert page.count("<figure") == len(list(folder.glob("*.svg"))) > 0
+    assert {path.stem for path in folder.glob("*.svg")} == {path.stem for path in folder.glob("*.png")}
+    assert "http://" not in page.replace("http://www.w3.org", "") and "<script" not in page
+
+
+def test_the_same_study_gives_the_same_bytes(where: Path, made: dict[str, Path]) -> None:
+    before = {path.name: path.read_bytes() for path in made["timing"].iterdir()}
+    study(where, "timing")
+    assert {path.name: path.read_bytes() for path in made["timing"].iterdir()} == before
+
+
+def test_consistency_takes_qcrs_of_the_run_from_its_tables(where: Path, made: dict[str, Path]) -> None:
+    scored = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pylist()
+    quick = {(row["i"], row["j"]): row["score"] for row in scored}
+    rows = table(made["consistency"])
+    assert {row["sample"] for row in rows} == {"uniform", "classes"}
+    assert sum(row["sample"] == "uniform" for row in rows) == 20
+    for row in rows:
+        assert row["qcrs_paper"] == quick[row["i"], row["j"]]
+        assert 0.0 <= row["crs"] <= 1.0 and 0.0 <= row["qcrs_tuned"] <= 1.0  # type: ignore[operator]
+    assert sum(np.isfinite(row["bound"]) for row in rows) == 3  # type: ignore[call-overload]
+    known = {
+        (row["i"], row["j"]): row["score"] for row in pq.read_table(where / "outputs/folder/crs.parquet").to_pylist()
+    }
+    shared = [row for row in rows if (row["i"], row["j"]) in known]
+    assert shared and all(row["crs"] == pytest.approx(known[row["i"], row["j"]]) for row in shared)
+
+
+def test_distributions_count_every_shape_and_pair(made: dict[str, Path]) -> None:
+    rows = {(row["score"], row["class"]): row for row in table(made["distributions"])}
+    assert (rows["S_r", ""]["values"], rows["QCRS", ""]["values"]) == (10, 45)
+    assert sum(row["values"] for (score, cls), row in rows.items() if score == "S_r" and cls) == 10  # type: ignore[misc]
+
+
+def test_timing_is_that_of_the_runs_artifacts(where: Path, made: dict[str, Path]) -> None:
+    rows = {row["step"]: row for row in table(made["timing"])}
+    timings = {row["stage"]: row for row in pq.read_table(where / "outputs/folder/timings.parquet").to_pylist()}
+    assert rows["QCRS"]["ours"] == pytest.approx(timings["qcrs"]["stored_seconds"] / 45)
+    assert rows["QCRS"]["ratio"] == pytest.approx(1.99 / rows["QCRS"]["ours"])  # type: ignore[operator]
+
+
+def test_hidden_pairs_are_ranked_by_both_variants(made: dict[str, Path]) -> None:
+    rows = table(made["groundtruth"])
+    assert [row["name"] for row in rows] == ["hidden000-p", "hidden000-q"]
+    for row in rows:
+        assert row["rank_paper"] == row["quick_rank"]
+        assert 1 <= row["rank_tuned"] <= 11  # type: ignore[operator]
+        assert row["iou_polygons"] > 0.99  # type: ignore[operator]
+
+
+def test_mistakes_are_told(where: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments, words in (
+        ([], "name a study"),
+        (["consistence"], "no such study"),
+        (["consistency", "pairs=2"], "pairs: must be 3 or more"),
+        (["consistency", "pairs=many"], "pairs: expected a whole number"),
+        (["consistency", "pair=3"], "no such parameter"),
+        (["timing", f"outputs={tmp_path}"], "does not exist"),
+    ):
+        assert main(arguments) == 2
+        assert words in capsys.readouterr().err
+    with (where / "outputs" / "folder" / "run.json").open(encoding="utf-8") as stream:
+        assert json.load(stream)  # studies leave the run's record alone
