@@ -21,6 +21,7 @@ from riot.draw.svg import escape
 from riot.errors import RiotError
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.model import Design, polygons
+from riot.fabricate.shelves import shelves
 from riot.shape import FloatArray
 
 Kind = Literal["outlines", "layers"]
@@ -59,16 +60,6 @@ class Part:
 
     name: str
     region: shapely.Polygon
-
-
-@dataclass(frozen=True)
-class Spot:
-    """Where a box lies: its page, its lower left corner, and whether it is turned by a quarter, counter-clockwise."""
-
-    page: int
-    x: float
-    y: float
-    turned: bool
 
 
 def write_flat(design: Design, path: str | os.PathLike[str], kind: Kind = "outlines", *, kerf: bool = False) -> None:
@@ -162,37 +153,6 @@ def _apart(parts: Sequence[Part]) -> list[Part]:
 
 def _moved(region: shapely.Polygon, x: float, y: float) -> shapely.Polygon:
     return shapely.transform(region, lambda points: points + np.array([x, y]))
-
-
-def shelves(sizes: FloatArray, width: float, height: float, apart: float) -> list[Spot]:
-    """Lay boxes out in rows on pages of one size: the tallest first, each row as high as its first box.
-
-    Parameters
-    ----------
-    sizes : (k, 2) float64
-        Width and height of every box. A box that fits a page only after a quarter turn is turned.
-    width, height : float
-        Of a page; the height may be infinite.
-    apart : float
-        Between boxes.
-
-    Raises ValueError if a box fits no page.
-    """
-    turned = (sizes[:, 0] > width) | (sizes[:, 1] > height)
-    boxes = np.where(turned[:, None], sizes[:, ::-1], sizes)
-    if (boxes[:, 0] > width).any() or (boxes[:, 1] > height).any():
-        raise ValueError(f"a box of {boxes.max():.0f} mm does not fit a page of {width:.0f} × {height:.0f} mm")
-    spots: dict[int, Spot] = {}
-    page, x, y, row = 0, 0.0, 0.0, 0.0
-    for k in sorted(range(len(boxes)), key=lambda k: (-boxes[k, 1], k)):
-        wide, high = boxes[k].tolist()
-        if x > 0.0 and x + wide > width:
-            x, y, row = 0.0, y + row + apart, 0.0
-        if y > 0.0 and y + high > height:
-            page, x, y, row = page + 1, 0.0, 0.0, 0.0
-        spots[k] = Spot(page, x, y, bool(turned[k]))
-        x, row = x + wide + apart, max(row, high)
-    return [spots[k] for k in range(len(boxes))]
 
 
 def _rings(parts: Iterable[Part]) -> tuple[list[tuple[str, FloatArray]], list[tuple[str, FloatArray]]]:

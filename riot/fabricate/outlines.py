@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
 from riot.fabricate.errors import FabricationError
+from riot.fabricate.model import PieceDesign, polygons
 from riot.fabricate.parameters import FabricationParameters
 from riot.shape import FloatArray
-
-if TYPE_CHECKING:
-    from riot.fabricate.model import PieceDesign
 
 GRID = 0.001
 """All points of flat regions lie on a grid of this step, mm: far below what a printer can do."""
@@ -49,8 +46,7 @@ def subtract(region: shapely.Geometry, other: shapely.Geometry) -> shapely.Geome
 
 def parts(region: shapely.Geometry) -> list[shapely.Polygon]:
     """The polygons of a region, the largest first."""
-    found = [part for part in shapely.get_parts(region) if part.geom_type == "Polygon" and part.area > 0.0]
-    return sorted(found, key=lambda part: -part.area)
+    return sorted(polygons(region), key=lambda part: -part.area)
 
 
 def make_outline(points: FloatArray, piece: int, parameters: FabricationParameters) -> shapely.Polygon:

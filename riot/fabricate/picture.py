@@ -23,7 +23,7 @@ from shapely.geometry.polygon import orient
 from riot.draw.figure import PictureFormatError
 from riot.draw.palette import LIGHT, PIECES, hue
 from riot.fabricate.model import polygons
-from riot.fabricate.paper import Frame, Page, new_page, png_bytes
+from riot.fabricate.paper import MM_PER_INCH, Frame, Page, new_page, png_bytes
 from riot.fabricate.sheets import face, painted
 from riot.fabricate.telescope import Ring
 
@@ -196,7 +196,7 @@ def _darker(colour: str, share: float) -> str:
 def _face(page: Page, design: Design, texture: Texture, side: Side, index: int, frame: Frame) -> None:
     """Paint the texture on the upper face of a piece; knuckles keep the piece's colour."""
     region, top = frame.region(face(design, index, side)), design.parameters.height
-    step = 25.4 / DOTS_PER_INCH
+    step = MM_PER_INCH / DOTS_PER_INCH
     pixels, (x0, y0, x1, y1) = painted(design, texture, side, index, frame, region, step)
     (left, low), (right, high) = _screen(np.array([[x0, y0], [x1, y1]]), top)
     page.image(pixels, (left, low, right, high), _seen(region, top))

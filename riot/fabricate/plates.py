@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.parameters import FabricationParameters
+from riot.fabricate.shelves import shelves
 from riot.fabricate.solid import Part
 
 SPACE_MM = 4.0
@@ -32,9 +35,9 @@ def lay_out(parts: tuple[Part, ...], parameters: FabricationParameters) -> tuple
 
     Raises `riot.fabricate.errors.FabricationError` if a part is larger than the bed.
     """
-    width, depth = parameters.bed_width_mm - SPACE_MM, parameters.bed_depth_mm - SPACE_MM
-    waiting = []
-    for place, part in enumerate(parts):
+    width, depth = parameters.bed_width_mm - 2 * SPACE_MM, parameters.bed_depth_mm - 2 * SPACE_MM
+    found: list[tuple[str, int, bool, tuple[float, float]]] = []
+    for part in parts:
         across, along, _ = part.size
         fits = [turned for turned in (False, True) if _fits(across, along, turned, width, depth)]
         if not fits:
@@ -47,21 +50,15 @@ def lay_out(parts: tuple[Part, ...], parameters: FabricationParameters) -> tuple
             )
         turned = along > across if len(fits) == 2 else fits[0]
         box = (along, across) if turned else (across, along)
-        waiting += [(-box[1], place, number, part.name, turned, box) for number in range(part.count)]
-    plates: list[list[Item]] = []
-    x, y, row = 0.0, 0.0, 0.0
-    for _, _, number, name, turned, (across, along) in sorted(waiting, key=lambda entry: entry[:3]):
-        if plates and x + across > width:
-            x, y, row = SPACE_MM, y + row + SPACE_MM, 0.0
-        if not plates or y + along > depth:
-            plates.append([])
-            x, y, row = SPACE_MM, SPACE_MM, 0.0
-        plates[-1].append(Item(name, number, turned, x, y))
-        x, row = x + across + SPACE_MM, max(row, along)
+        found += [(part.name, number, turned, box) for number in range(part.count)]
+    spots = shelves(np.array([box for *_, box in found]), width, depth, SPACE_MM)
+    plates: list[list[Item]] = [[] for _ in range(1 + max(spot.page for spot in spots))]
+    for (name, number, turned, _), spot in zip(found, spots, strict=True):
+        plates[spot.page].append(Item(name, number, turned, spot.x + SPACE_MM, spot.y + SPACE_MM))
     return tuple(tuple(plate) for plate in plates)
 
 
 def _fits(across: float, along: float, turned: bool, width: float, depth: float) -> bool:
     if turned:
         across, along = along, across
-    return across + SPACE_MM <= width and along + SPACE_MM <= depth
+    return across <= width and along <= depth

@@ -16,9 +16,10 @@ import numpy as np
 import shapely
 
 from riot.draw.palette import LIGHT
-from riot.fabricate.flat import Spot, shelves
+from riot.fabricate.flat import FlatFormatError
 from riot.fabricate.model import polygons
-from riot.fabricate.paper import Frame, Page, new_page, pdf_bytes
+from riot.fabricate.paper import MM_PER_INCH, Frame, Page, new_page, pdf_bytes
+from riot.fabricate.shelves import Spot, shelves
 from riot.pose import rotate
 from riot.texture.skins import painted as raster
 
@@ -55,8 +56,6 @@ def write_sheets(
     Every page has a ruler; it is to be printed at 100 %. The same input gives the same bytes. Raises
     `riot.fabricate.flat.FlatFormatError` for a suffix other than .pdf.
     """
-    from riot.fabricate.flat import FlatFormatError
-
     target = Path(path)
     if target.suffix.lower() != ".pdf":
         raise FlatFormatError(f"cannot write the texture sheets {target.name!r}: use a file name that ends in .pdf")
@@ -122,7 +121,7 @@ def _piece(
 ) -> None:
     cut = frame.region(within)
     with_bleed = cut.buffer(BLEED_MM)
-    pixels, box = painted(design, texture, side, index, frame, with_bleed, 25.4 / dots_per_inch)
+    pixels, box = painted(design, texture, side, index, frame, with_bleed, MM_PER_INCH / dots_per_inch)
     page.image(pixels, box, with_bleed)
     page.region(cut, None, LIGHT["ink"], 0.1)
     x0, y0, x1, _ = cut.bounds

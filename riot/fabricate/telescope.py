@@ -78,33 +78,38 @@ class Telescope:
         return round(self.sleeve_travel + self.rod_travel, 9)
 
 
+@dataclass(frozen=True)
+class _Heights:
+    """Heights over the pieces' lower face when pushed together, and thicknesses, in whole layers; mm.
+
+    ``ledge`` is how thick ledges, flange and knob are, ``lip`` the barrel's lip, ``seat`` where the sleeve stands,
+    ``top`` where barrel and sleeve end, ``eaves`` where the cap begins, ``split`` where the rod's slit ends.
+    """
+
+    ledge: float
+    lip: float
+    seat: float
+    top: float
+    eaves: float
+    split: float
+
+    @property
+    def sleeve_travel(self) -> float:
+        """How far the sleeve rises in the barrel."""
+        return round(self.top - 2.0 * self.ledge - self.seat, 9)
+
+    @property
+    def rod_travel(self) -> float:
+        """How far the rod rises in the sleeve."""
+        return round(self.top - 2.0 * self.ledge, 9)
+
+
 def make_telescope(parameters: FabricationParameters) -> Telescope:
     """The telescopic hinge for these parameters.
 
-    Raises `riot.fabricate.errors.FabricationError` if the pieces are too thin for it.
+    Raises `riot.fabricate.errors.FabricationError` if the pieces are too thin for it, or its ledges too narrow.
     """
-    height, layer = parameters.height, parameters.layer_mm
-
-    def layers(length: float) -> float:
-        return round(math.ceil(round(length / layer, 6)) * layer, 9)
-
-    ledge, lip, seam = layers(LEDGE_HEIGHT), layers(LIP_HEIGHT), parameters.axial_gap
-    seat = round(lip + layer, 9)
-    fixed = 4.0 * ledge + seat + 2.0 * seam
-    least_cap = layers(LEAST_CAP)
-    cap = max(least_cap, layers(0.5 * (2.0 * height - fixed - parameters.travel - SPARE)) - layer)
-    cap = min(cap, max(least_cap, layers(height / 3.0)))
-    top = round(height - cap - seam, 9)
-    sleeve_travel, rod_travel = round(top - 2.0 * ledge - seat, 9), round(top - 2.0 * ledge, 9)
-    if sleeve_travel <= 0.0 or round(sleeve_travel + rod_travel - parameters.travel, 9) < 0.0:
-        least = round(layers(fixed + 2.0 * least_cap + parameters.travel - height), 6)
-        raise FabricationError(
-            "thin",
-            f"thickness_mm: a telescopic hinge of {height:g} mm cannot lift its piece by {parameters.travel:g} mm; "
-            f"make it {least:g} mm",
-            "thickness_mm",
-            least,
-        )
+    z = _heights(parameters)
     gap, wall, step = parameters.telescope_gap_mm, parameters.telescope_wall_mm, parameters.telescope_ledge_mm
     if step <= gap + SNAP:
         raise FabricationError(
@@ -123,25 +128,51 @@ def make_telescope(parameters: FabricationParameters) -> Telescope:
     flange = bore - gap
     radius = bore + wall
     slit = min(rod, 2.0 * (knob - inner_mouth))
-    split = layers(0.6 * top)
-    foot, under, eaves = round(seat + ledge, 9), round(top - ledge, 9), round(height - cap, 9)
+    foot, under = round(z.seat + z.ledge, 9), round(z.top - z.ledge, 9)
     return Telescope(
         barrel=(
-            Ring(0.0, lip, radius, flange - SNAP),
-            Ring(lip, under, radius, bore),
-            Ring(under, top, radius, mouth),
+            Ring(0.0, z.lip, radius, flange - SNAP),
+            Ring(z.lip, under, radius, bore),
+            Ring(under, z.top, radius, mouth),
         ),
         sleeve=(
-            Ring(seat, foot, flange, inner_bore),
+            Ring(z.seat, foot, flange, inner_bore),
             Ring(foot, under, sleeve, inner_bore),
-            Ring(under, top, sleeve, inner_mouth),
+            Ring(under, z.top, sleeve, inner_mouth),
         ),
         rod=(
-            Ring(0.0, ledge, knob, slit=slit),
-            Ring(ledge, split, rod, slit=slit),
-            Ring(split, eaves, rod),
-            Ring(eaves, height, radius),
+            Ring(0.0, z.ledge, knob, slit=slit),
+            Ring(z.ledge, z.split, rod, slit=slit),
+            Ring(z.split, z.eaves, rod),
+            Ring(z.eaves, parameters.height, radius),
         ),
-        sleeve_travel=sleeve_travel,
-        rod_travel=rod_travel,
+        sleeve_travel=z.sleeve_travel,
+        rod_travel=z.rod_travel,
     )
+
+
+def _heights(parameters: FabricationParameters) -> _Heights:
+    """The heights for these parameters; the cap is as thick as the travel that is needed allows."""
+    height, layer = parameters.height, parameters.layer_mm
+
+    def layers(length: float) -> float:
+        return round(math.ceil(round(length / layer, 6)) * layer, 9)
+
+    ledge, lip, seam = layers(LEDGE_HEIGHT), layers(LIP_HEIGHT), parameters.axial_gap
+    seat = round(lip + layer, 9)
+    fixed = 4.0 * ledge + seat + 2.0 * seam
+    least_cap = layers(LEAST_CAP)
+    cap = max(least_cap, layers(0.5 * (2.0 * height - fixed - parameters.travel - SPARE)) - layer)
+    cap = min(cap, max(least_cap, layers(height / 3.0)))
+    top = round(height - cap - seam, 9)
+    found = _Heights(ledge, lip, seat, top, round(height - cap, 9), layers(0.6 * top))
+    if found.sleeve_travel <= 0.0 or round(found.sleeve_travel + found.rod_travel - parameters.travel, 9) < 0.0:
+        least = round(layers(fixed + 2.0 * least_cap + parameters.travel - height), 6)
+        raise FabricationError(
+            "thin",
+            f"thickness_mm: a telescopic hinge of {height:g} mm cannot lift its piece by {parameters.travel:g} mm; "
+            f"make it {least:g} mm",
+            "thickness_mm",
+            least,
+        )
+    return found

@@ -22,10 +22,10 @@ from riot.fabricate.flat import (
     FlatFormatError,
     Kind,
     parts_of,
-    shelves,
     write_flat,
     write_flat_files,
 )
+from riot.fabricate.shelves import shelves
 from riot.groundtruth import exact_pair, exact_transform
 from riot.shape import FloatArray
 
