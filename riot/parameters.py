@@ -100,10 +100,10 @@ QcrsVariant = Literal["paper", "tuned"]
 """Which trunks QCRS compares: ``paper``: quick trunks. ``tuned``: the full trunks of CRS (ours)."""
 
 QCRS_VARIANTS: Mapping[QcrsVariant, QcrsParameters] = MappingProxyType(
-    {"paper": QcrsParameters(), "tuned": QcrsParameters(sigma_area=0.2)}
+    {"paper": QcrsParameters(), "tuned": QcrsParameters(sigma_area=0.3)}
 )
-"""Sigmas of each variant. On full trunks the terms of edges and angles are those of CRS; σ_A was fitted on MPEG-7, to
-order pairs as CRS does as often as the paper variant's price allows."""
+"""Sigmas of each variant. On full trunks the terms of edges and angles are those of CRS. The greater σ_A, the more QCRS
+orders pairs as CRS does and the longer the search takes; this one costs what the paper variant does on MPEG-7."""
 
 
 @dataclass(frozen=True)

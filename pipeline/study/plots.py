@@ -70,7 +70,7 @@ def boxes(groups: Mapping[str, FloatArray], x: str) -> Figure:
 
 
 def along(shapes: Sequence[Shape], captions: Sequence[str]) -> Figure:
-    """Shapes side by side in one scale, with a line of text under each."""
+    """Shapes side by side, each filling its place, with a caption under each."""
     figure = Figure(figsize=(1.1 * len(shapes), 1.5), facecolor=LIGHT["paper"], layout="constrained")
     for place, (shape, caption) in enumerate(zip(shapes, captions, strict=True)):
         found = figure.add_subplot(1, len(shapes), place + 1)
