@@ -172,7 +172,7 @@ def plan_full_trunks(plan: Plan, pairs: Sequence[Pair]) -> dict[int, WorkItem]:
     for position in sorted({position for pair in pairs for position in pair}):
         batch, index = plan.place(position)
         # Named after the shape and not after its batch, so that it stays when the batch changes.
-        parts = of.parts([_shape_key(plan, position)])
+        parts = of.parts([shape_key(plan, position)])
         work[position] = WorkItem(parts, of.parameters, (plan.ingest[batch].reference,), index, (position,))
     return work
 
@@ -255,7 +255,8 @@ def _ingest(of: Recipe, items: tuple[Item, ...], batch: range) -> WorkItem:
     return WorkItem(parts, of.parameters, (), members, tuple(batch))
 
 
-def _shape_key(plan: Plan, position: int) -> str:
+def shape_key(plan: Plan, position: int) -> str:
+    """The content key of one shape, whatever batch it is in."""
     return plan.recipes["ingest"].parts([plan.items[position].digest]).key()
 
 

@@ -12,6 +12,7 @@ import pyarrow as pa
 
 from pipeline import tables
 from pipeline.artifact import Artifact
+from pipeline.history import pair_history, with_history
 from pipeline.outputs import file_name, from_columns, from_rows, new_place, replace_folder, write_parquet, write_table
 from pipeline.puzzles import write_puzzles
 from pipeline.results import Results, Row
@@ -242,7 +243,7 @@ def _transform_rows(results: Results) -> list[Row]:
             **{f"{name}_{side}": document.get(f"{name}_{side}") for name in ("bound", *RESIDUALS) for side in "pq"},
             **{name: planned.get(name) for name in MOTION},
             **{name: compared.get(name) for name in PAPER},
-            "riot": planned.get("riot", document.get("riot")),
+            "riot": with_history(planned.get("riot", document.get("riot")), pair_history(results, item.members)),
         }
         if "iou_p" in document:
             row["iou"] = min(document["iou_p"], document["iou_q"])

@@ -8,9 +8,9 @@ import errno
 import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from rich.console import Console
 from rich.table import Table
@@ -25,9 +25,11 @@ from riot.draw.skin import PLAIN, Skins
 from riot.errors import RiotError, TrunkError
 from riot.fabricate.command import add_print
 from riot.fidelity import bending_ratio, direction_error
+from riot.history import History, file_digest, made_here, told
 from riot.kernels.warm import warm_all
 from riot.motion import Motion
-from riot.parameters import ConstructParameters
+from riot.motion.parameters import MotionParameters
+from riot.parameters import ConstructParameters, CrsParameters, RefineParameters, ShapeParameters, TrunkParameters
 from riot.quick import qcrs
 from riot.shape import Shape
 from riot.silhouette import read
@@ -93,6 +95,7 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes | None = None)
         transform = construct_plan(_ranked(alternatives(a, b), wishes.rank), parameters, pins)
     if transform.certificate().passed:
         transform = transform.planned()
+    transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
     show(transform)
     skins = _skins(transform, wishes.pictures, {"p": path_a, "q": path_b})
     for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films, skins):
@@ -109,6 +112,19 @@ def list_trunks(path_a: Path, path_b: Path) -> None:
     for rank, plan in enumerate(alternatives(a, b), start=1):
         table.add_row(str(rank), str(len(plan.trunk_p)), f"{plan.bound_p:.4f}", f"{plan.bound_q:.4f}")
     Console().print(table)
+
+
+def _history(path_a: Path, path_b: Path, parameters: ConstructParameters, wishes: Wishes) -> History:
+    pins = None if wishes.pins is None else file_digest(wishes.pins)
+    steps: dict[str, dict[str, Any]] = {
+        "ingest": asdict(ShapeParameters()),
+        "trunks": asdict(TrunkParameters()),
+        "crs": asdict(CrsParameters()),
+        "refine": asdict(RefineParameters()),
+        "construct": {**asdict(parameters), "rank": wishes.rank, "pins": pins},
+        "motion": asdict(MotionParameters()),
+    }
+    return made_here("riot make", (path_a, path_b), steps)
 
 
 def _ranked(plans: Sequence[Plan], rank: int) -> Plan:
@@ -203,7 +219,13 @@ def _trunks(chosen: argparse.Namespace) -> int:
 
 
 def _show(chosen: argparse.Namespace) -> int:
-    show(Transform.load(chosen.file))
+    transform = Transform.load(chosen.file)
+    if not chosen.history:
+        show(transform)
+    elif transform.history is None:
+        print(f"{chosen.file} tells no history: it was written by an earlier version, or by hand")
+    else:
+        print("\n".join(told(transform.history)))
     return 0
 
 
@@ -236,6 +258,9 @@ def _parser(more: Sequence[Callable[[Commands], None]]) -> argparse.ArgumentPars
     make_parser.set_defaults(run=_make)
     show_parser = commands.add_parser("show", help="print the numbers of a .riot file")
     show_parser.add_argument("file", type=Path, metavar="FILE.riot")
+    show_parser.add_argument(
+        "--history", action="store_true", help="print pictures, parameters, code and libraries that made it instead"
+    )
     show_parser.set_defaults(run=_show)
     for add in (add_print, add_slices, *more):
         add(commands)

@@ -21,15 +21,15 @@ _DIGEST = re.compile("[0-9a-f]{64}")
 
 @dataclass(frozen=True)
 class Step:
-    """One step: its name, the parameters that it read (JSON values), a digest of its code, and its content key.
+    """One step: its name, the parameters that it read (JSON values), a digest of its code, and its content keys.
 
-    ``key`` is 64 hexadecimal digits that name the step's result in a store, empty where there is none.
+    ``keys`` name the step's results in a store: one, or P's and Q's; none where there is no store.
     """
 
     name: str
     parameters: Mapping[str, Any]
     code: str
-    key: str = ""
+    keys: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,8 @@ def told(history: History) -> Iterator[str]:
     for side, digest in zip("PQ", history.pictures, strict=True):
         yield f"picture {side}: sha256 {digest}"
     for step in history.steps:
-        yield f"{step.name}: code {step.code[:16]}" + (f", key {step.key}" if step.key else "")
+        yield f"{step.name}: code {step.code}"
+        yield from (f"  key {key}" for key in step.keys)
         yield from (f"  {name} = {value}" for name, value in _flat(step.parameters))
     yield "libraries: " + ", ".join(f"{name} {version}" for name, version in history.versions.items())
 
@@ -114,7 +115,8 @@ def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
 def _step(found: Any) -> Step:
     if not isinstance(found["parameters"], dict):
         raise TypeError("the parameters of a step of the history are no mapping")
-    return Step(_text(found["name"]), found["parameters"], _text(found["code"]), _text(found["key"]))
+    keys = tuple(_text(key) for key in found["keys"])
+    return Step(_text(found["name"]), found["parameters"], _text(found["code"]), keys)
 
 
 def _text(value: Any) -> str:
