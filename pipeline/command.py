@@ -17,6 +17,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.config import Config, make_config, unknown_name
 from pipeline.errors import ConfigError
+from pipeline.keys import digest_text
 
 CONF = Path(__file__).resolve().parent.parent / "conf"
 HYDRA_BASE = "1.3"
@@ -66,15 +67,28 @@ def check_command(arguments: Sequence[str]) -> Config:
     return config
 
 
+def swept_over(arguments: Sequence[str]) -> frozenset[str]:
+    """Names of the parameters and groups that a command line sweeps over."""
+    return frozenset(override.key_or_group for override in _parse(arguments) if override.is_sweep_override())
+
+
+def sweep_values(arguments: Sequence[str], chosen: Sequence[str]) -> dict[str, bool | int | float | str | None]:
+    """Value of everything that ``arguments`` sweep over in the job whose overrides are ``chosen``, by name."""
+    swept = swept_over(arguments)
+    values = {one.key_or_group: one.value() for one in _parse(chosen) if one.key_or_group in swept}
+    return {name: one if isinstance(one, bool | int | float | None) else str(one) for name, one in values.items()}
+
+
 def sweep_point(arguments: Sequence[str], chosen: Sequence[str]) -> str:
     """Folder name of one point of a sweep: those of its ``chosen`` overrides that ``arguments`` sweep over.
 
-    Data sets and outputs have folders of their own, and are left out; empty when nothing else is swept over.
+    Data sets and outputs have folders of their own, and are left out; empty when nothing else is swept over. What a
+    folder cannot be named is replaced, and told apart by a digest.
     """
-    swept = {override.key_or_group for override in _parse(arguments) if override.is_sweep_override()}
-    kept = swept - {"dataset", "dataset.name", "outputs"}
-    named = [one.lstrip("+") for one in chosen if one.lstrip("+").partition("=")[0] in kept]
-    return re.sub(r"[^\w.=,+-]+", "-", ",".join(named))[:NAME_LENGTH]
+    kept = swept_over(arguments) - {"dataset", "dataset.name", "outputs"}
+    whole = ",".join(one.lstrip("+") for one in chosen if one.lstrip("+").partition("=")[0] in kept)
+    named = re.sub(r"[^\w.=,+-]+", "-", whole)[:NAME_LENGTH]
+    return named if named == whole else f"{named}~{digest_text(whole)[:8]}"
 
 
 def _parse(arguments: Sequence[str]) -> list[Override]:

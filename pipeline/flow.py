@@ -15,6 +15,7 @@ from pipeline.datasets import Collection, collect
 from pipeline.errors import StartError
 from pipeline.events import Listener, Note
 from pipeline.execute import Run, open_run
+from pipeline.exits import CLEAN, WITH_ERRORS
 from pipeline.outputs import swept
 from pipeline.places.base import Place
 from pipeline.places.choose import open_files
@@ -40,9 +41,6 @@ from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results, certified, least_deformed
 from pipeline.write import write_tables
 from riot.shape import FloatArray
-
-CLEAN, BAD_START, WITH_ERRORS = 0, 2, 3
-"""Exit codes: all well; could not start; finished, with rows in the table of errors."""
 
 
 @dataclass(frozen=True)

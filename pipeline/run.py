@@ -1,13 +1,17 @@
 """Entry point: ``python -m pipeline.run [+dataset=NAME] [name=value …] [--plan | --explain] [-m]``.
 
-Exit codes: 0 clean, 3 finished with errors, 2 could not start, 130 interrupted.
+Exit codes: 0 clean, 3 finished with errors, 2 could not start, 130 interrupted; of a sweep the greatest of its jobs',
+where 1 is a job that broke off.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import logging
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
@@ -15,75 +19,130 @@ from omegaconf import DictConfig
 from rich.console import Console
 
 import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
-from pipeline.command import CONF, HYDRA_BASE, check_command, complete, is_multirun, is_plain, make_typed, sweep_point
+from pipeline.command import (
+    CONF,
+    HYDRA_BASE,
+    check_command,
+    complete,
+    is_multirun,
+    is_plain,
+    make_typed,
+    sweep_point,
+    sweep_values,
+)
 from pipeline.config import Config
 from pipeline.errors import PipelineError
-from pipeline.explain import forecast, show_explanation, show_plan
-from pipeline.flow import BAD_START, CLEAN, check_writable, run_pipeline
-from pipeline.progress import show_progress
-from pipeline.store import Store
-from pipeline.summary import show_outcome
+from pipeline.exits import BAD_START, CLEAN, FAILED, INTERRUPTED
 from riot.errors import RiotError
 
-INTERRUPTED = 130
+# What only some commands need (the stages, tables, reports) is imported where it is used: a start should be quick.
+
 PIPED_WIDTH = 140
+
+
+@dataclass(frozen=True)
+class _Ended:
+    """How a job ended: its exit code, the folder of its tables if it finished, else what was said."""
+
+    code: int
+    folder: Path | None = None
+    message: str = ""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code of the run, of a sweep the worst one."""
     console, complaints = _console(), Console(stderr=True, soft_wrap=True)
     given = complete(sys.argv[1:] if arguments is None else arguments)
+    config: Config | None = None
     try:
         if is_plain(given):
             config = check_command(given)
             if (config.plan or config.explain) and not is_multirun(given):
                 return _show(config, console)
             if not (config.plan or config.explain):
+                from pipeline.flow import check_writable
+
                 check_writable(config.outputs, "outputs")  # Hydra writes its log there
-        codes = _with_hydra(given, console, complaints)
+        ended = _with_hydra(given, console, complaints)
+        if config is not None and is_multirun(given) and not (config.plan or config.explain):
+            _tell_sweep(given, config.outputs, ended, console)
     except KeyboardInterrupt:
         return _interrupted(complaints)
     except RiotError as error:
-        return _refused(error, complaints)
-    return max(codes, default=CLEAN)
+        return _refused(error, complaints).code
+    return max((job.code for _, job in ended), default=CLEAN)
 
 
-def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console) -> list[int]:
-    codes: list[int] = []
+def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console) -> list[tuple[Sequence[str], _Ended]]:
+    """Have Hydra compose and run every job; returns the overrides of each and how it ended."""
+    ended: list[tuple[Sequence[str], _Ended]] = []
 
     @hydra.main(version_base=HYDRA_BASE, config_path=str(CONF), config_name="config")
     def job(composed: DictConfig) -> None:
-        chosen = HydraConfig.get().overrides.task if is_multirun(arguments) else []
-        codes.append(_run(composed, sweep_point(arguments, chosen), console, complaints))
+        chosen = list(HydraConfig.get().overrides.task)
+        if is_multirun(arguments):
+            ended.append((chosen, _job(composed, sweep_point(arguments, chosen), console, complaints)))
+        else:
+            ended.append((chosen, _run(make_typed(composed), console, complaints)))
 
     program, sys.argv = sys.argv, [sys.argv[0], *arguments]
     try:
         job()
     except SystemExit as stop:  # Hydra has said why
-        return [*codes, BAD_START if stop.code else CLEAN]
+        return [*ended, ((), _Ended(BAD_START if stop.code else CLEAN))]
     finally:
         sys.argv = program
-    return codes
+    return ended
 
 
-def _run(composed: DictConfig, point: str, console: Console, complaints: Console) -> int:
+def _job(composed: DictConfig, point: str, console: Console, complaints: Console) -> _Ended:
+    """One job of a sweep: whatever ends it, but for an interrupt, the others are done."""
     try:
         config = make_typed(composed)
         if point:  # else every point of a sweep would replace the tables of the one before
             config = dataclasses.replace(config, outputs=config.outputs / point)
-        if config.plan or config.explain:
-            return _show(config, console)
-        with show_progress(console) as listen:
-            outcome = run_pipeline(config, listen)
-        show_outcome(outcome, console)
-        return outcome.code
-    except KeyboardInterrupt:
-        return _interrupted(complaints)
+        return _run(config, console, complaints)
     except RiotError as error:
         return _refused(error, complaints)
+    except Exception as error:
+        logging.getLogger(__name__).exception("a job of the sweep broke off")  # into Hydra's folder, with all of it
+        said = f"{type(error).__name__}: {error}"
+        complaints.print(f"The job broke off: {said}", style="red", highlight=False, markup=False)
+        return _Ended(FAILED, message=said)
+
+
+def _run(config: Config, console: Console, complaints: Console) -> _Ended:
+    if config.plan or config.explain:
+        return _Ended(_show(config, console))
+    from pipeline.flow import run_pipeline
+    from pipeline.progress import show_progress
+    from pipeline.summary import show_outcome
+
+    try:
+        with show_progress(console) as listen:
+            outcome = run_pipeline(config, listen)
+    except RiotError as error:
+        return _refused(error, complaints)
+    show_outcome(outcome, console)
+    return _Ended(outcome.code, outcome.folder)
+
+
+def _tell_sweep(
+    arguments: Sequence[str], outputs: Path, ended: Sequence[tuple[Sequence[str], _Ended]], console: Console
+) -> None:
+    from pipeline.sweep import Job, write_sweep
+
+    jobs = [Job(sweep_values(arguments, chosen), of.code, of.folder, of.message) for chosen, of in ended if chosen]
+    if not (jobs and jobs[0].values):
+        return
+    folder = write_sweep(outputs, jobs)
+    console.print(f"Sweep of {len(jobs)} jobs: {folder}", highlight=False, soft_wrap=True, markup=False)
 
 
 def _show(config: Config, console: Console) -> int:
+    from pipeline.explain import forecast, show_explanation, show_plan
+    from pipeline.store import Store
+
     store = Store(config.store)
     found = forecast(config, store)
     if config.explain:
@@ -93,10 +152,10 @@ def _show(config: Config, console: Console) -> int:
     return CLEAN
 
 
-def _refused(error: RiotError, complaints: Console) -> int:
+def _refused(error: RiotError, complaints: Console) -> _Ended:
     kind = "Cannot start" if isinstance(error, PipelineError | OSError) else type(error).__name__
     complaints.print(f"{kind}: {error}", style="red", highlight=False, markup=False)
-    return BAD_START
+    return _Ended(BAD_START, message=str(error))
 
 
 def _interrupted(complaints: Console) -> int:

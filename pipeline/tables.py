@@ -6,6 +6,8 @@ columns, so that pandas, Arrow, Dask and DuckDB read it without this project.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pyarrow as pa
 
 RATIO = "1"
@@ -213,6 +215,29 @@ TIMINGS = _schema(
     _column("peak_mb", pa.float64(), "greatest resident memory of one worker up to then", "MiB"),
 )
 
+SWEEP = _schema(
+    "The jobs of a sweep, in order of its parameters, which come first.",
+    _column("status", pa.string(), "clean, errors (see the job's table of errors), refused (no start), or failed"),
+    _column("message", pa.string(), "why it was refused or failed"),
+    _column("folder", pa.string(), "folder of the job's tables, relative to the outputs; null if there are none"),
+    _column("items", pa.int64(), "items of the collection", "count"),
+    _column("shapes", pa.int64(), "items that became shapes", "count"),
+    _column("pairs", pa.int64(), "pairs of shapes", "count"),
+    _column("selected", pa.int64(), "pairs that went on to CRS", "count"),
+    _column("certified", pa.int64(), "certified transforms", "count"),
+    _column("approximate", pa.int64(), "approximate transforms", "count"),
+    _column("rejected", pa.int64(), "rejected constructions", "count"),
+    _column("swing_flat", pa.int64(), "certified transforms that swing in one plane", "count"),
+    _column("errors", pa.int64(), "rows of the job's table of errors", "count"),
+    _column("blocked", pa.int64(), "work items that were not tried", "count"),
+    _column("crs_max", pa.float64(), "best CRS of the selected pairs; null = none, as of the others", SCORE),
+    _column("crs_q90", pa.float64(), "CRS that nine tenths of them do not exceed", SCORE),
+    _column("crs_median", pa.float64(), "CRS that half of them do not exceed", SCORE),
+    _column("iou_max", pa.float64(), "best IoU of the worse shape of the certified transforms; null = none", RATIO),
+    _column("iou_q90", pa.float64(), "IoU that nine tenths of them do not exceed", RATIO),
+    _column("iou_median", pa.float64(), "IoU that half of them do not exceed", RATIO),
+)
+
 SCHEMAS = {
     "shapes": SHAPES,
     "reversibility": REVERSIBILITY,
@@ -226,3 +251,9 @@ SCHEMAS = {
     "timings": TIMINGS,
 }
 """Every table by name; ``qcrs`` is a folder, partitioned by block row, the others ``<name>.parquet``."""
+
+
+def with_parameters(schema: pa.Schema, kinds: Mapping[str, pa.DataType]) -> pa.Schema:
+    """A table's schema after columns of the parameters that are swept over, of these types."""
+    swept = [_column(name, kind, "parameter that is swept over") for name, kind in kinds.items()]
+    return pa.schema([*swept, *schema], metadata=schema.metadata)

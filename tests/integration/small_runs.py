@@ -1,8 +1,10 @@
-"""Small real runs of the pipeline in processes of their own, for tests."""
+"""Small real runs of the pipeline, in processes of their own or in this one, for tests."""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import io
 import json
 import math
 import subprocess
@@ -12,6 +14,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 from PIL import Image, ImageDraw
+
+from pipeline.run import main
 
 CLEAN, BAD_START, WITH_ERRORS, INTERRUPTED = 0, 2, 3, 130
 QUICK = ("batch=4", "select.top=3", "refine.candidates=2", "select.per_shape=2", "select.breadth=2")
@@ -58,6 +62,14 @@ def command(where: Path, root: Path | None, *more: str) -> list[str]:
 def run(where: Path, root: Path | None, *more: str) -> subprocess.CompletedProcess[str]:
     where.mkdir(parents=True, exist_ok=True)
     return subprocess.run(command(where, root, *more), capture_output=True, text=True, cwd=where, timeout=240)
+
+
+def run_here(where: Path, root: Path | None, *more: str) -> subprocess.CompletedProcess[str]:
+    """`run` in this process: the same command without its start, for ``cluster=sync``."""
+    arguments = command(where, root, *more)[3:]
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+        code = main(arguments)
+    return subprocess.CompletedProcess(arguments, code, out.getvalue(), err.getvalue())
 
 
 def digests(where: Path) -> dict[str, str]:

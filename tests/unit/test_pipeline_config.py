@@ -7,7 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.command import allowed_names, check_command, complete, group_choices, sweep_point
+from pipeline.command import (
+    allowed_names,
+    check_command,
+    complete,
+    group_choices,
+    sweep_point,
+    sweep_values,
+    swept_over,
+)
 from pipeline.config import ClusterConfig, Config, SelectConfig, make_config
 from pipeline.datasets import DatasetConfig
 from pipeline.errors import ConfigError
@@ -24,11 +32,11 @@ def test_the_files_hold_the_defaults_of_the_code() -> None:
     assert composed == Config(dataset=DatasetConfig())
 
 
-@pytest.mark.parametrize("kind", ["local", "sync", "external"])
+@pytest.mark.parametrize("kind", ["local", "sync", "external", "slurm"])
 def test_every_cluster_has_a_file(kind: str) -> None:
     arguments = [f"cluster={kind}", "cluster.address=tcp://host:1"] if kind == "external" else [f"cluster={kind}"]
     assert check(*arguments).cluster.kind == kind
-    assert set(group_choices()["cluster"]) == {"local", "sync", "external"}
+    assert set(group_choices()["cluster"]) == {"local", "sync", "external", "slurm"}
 
 
 @pytest.mark.parametrize("policy", ["paper", "global"])
@@ -68,7 +76,7 @@ def test_data_sets_and_flags() -> None:
         ("select.policy=best", ["select.policy", "paper, global"]),
         ("select=best", ["select=best", "global, paper"]),
         ("select.top=0", ["select.top", "greater than 0"]),
-        ("cluster=big", ["cluster=big", "external, local, sync"]),
+        ("cluster=big", ["cluster=big", "external, local, slurm, sync"]),
         ("cluster=external", ["cluster.address", "tcp://"]),
         ("cluster.workers=0", ["cluster.workers", "1 or more"]),
         ("+dataset=mpeg", ["dataset=mpeg", "mpeg7", "sample"]),
@@ -111,8 +119,34 @@ def test_points_of_a_sweep_have_names_of_their_own() -> None:
     arguments = ["-m", "trunks.tau_s=0.1,0.07", "+dataset=sample,folder", "batch=8", "select=paper,global"]
     chosen = ["trunks.tau_s=0.07", "+dataset=folder", "batch=8", "select=paper"]
     assert sweep_point(arguments, chosen) == "trunks.tau_s=0.07,select=paper"
-    assert sweep_point(["dataset.root=a/b,/c d"], ["dataset.root=/c d"]) == "dataset.root=-c-d"
+    roots = ["dataset.root=/c d,-c d,-c-d"]
+    named = {sweep_point(roots, [one]) for one in ("dataset.root=/c d", "dataset.root=-c d", "dataset.root=-c-d")}
+    assert len(named) == 3 and "dataset.root=-c-d" in named and not any("/" in name for name in named)
+    long = {sweep_point(["batch=1,2"], [f"batch={'1' * 300}{end}"]) for end in "12"}
+    assert len(long) == 2 and max(map(len, long)) < 255
     assert sweep_point(["outputs=a,b"], ["outputs=a"]) == ""
+
+
+def test_values_of_a_sweep_have_types() -> None:
+    arguments = [
+        "-m",
+        "trunks.tau_s=0.1,2",
+        "+dataset=sample,folder",
+        "batch=8",
+        "qcrs.sigma_e=null,1",
+        "plan=true,false",
+    ]
+    chosen = ["trunks.tau_s=2", "+dataset=folder", "batch=8", "qcrs.sigma_e=null", "plan=true"]
+    found = {"trunks.tau_s": 2, "dataset": "folder", "qcrs.sigma_e": None, "plan": True}
+    assert sweep_values(arguments, chosen) == found and swept_over(arguments) == found.keys()
+
+
+def test_options_of_a_cluster_are_a_list_of_text() -> None:
+    given = check("cluster=slurm", "cluster.options=['--qos=long',--exclusive]")
+    assert given.cluster.options == ("--qos=long", "--exclusive")
+    for wrong in ("cluster.options=long", "cluster.options=[1]", "cluster.jobs=0"):
+        with pytest.raises(ConfigError, match=wrong.partition("=")[0]):
+            check("cluster=slurm", wrong)
 
 
 def test_plain_values_are_enough() -> None:

@@ -1,0 +1,106 @@
+"""The tables of a sweep: what became of each job beside its parameters, and what each of its stages cost."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pipeline import tables
+from pipeline.exits import BAD_START, CLEAN, FAILED, WITH_ERRORS
+from pipeline.outputs import from_rows, new_place, write_parquet
+from pipeline.record import read_record
+from pipeline.results import Row
+
+PREFIX = "sweep="
+"""Begins the name of the folder beside the runs; what is swept over follows."""
+
+STATUSES = {CLEAN: "clean", WITH_ERRORS: "errors", BAD_START: "refused", FAILED: "failed"}
+"""What a job's exit code says."""
+
+Value = bool | int | float | str | None
+
+COLUMNS = {bool: pa.bool_(), int: pa.int64(), float: pa.float64(), str: pa.string()}
+"""Types of parameters, and of their columns."""
+
+QUANTILES = {"max": 1.0, "q90": 0.9, "median": 0.5}
+"""Of the scores of a job; each is a score that some pair has."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One job of a sweep: its values of what is swept over, by name, and its exit code.
+
+    ``folder`` has its tables, None if it did not finish; ``message`` says why.
+    """
+
+    values: Mapping[str, Value]
+    code: int
+    folder: Path | None = None
+    message: str = ""
+
+
+def write_sweep(outputs: Path, jobs: Sequence[Job]) -> Path:
+    """Write ``sweep.parquet`` and ``timings.parquet`` of jobs that sweep over the same parameters; returns the folder.
+
+    Rows are in order of the parameters, columns of parameters in order of name: the order of the jobs changes no byte
+    of ``sweep.parquet``. Parameters are numbers where all their values are.
+    """
+    names = sorted(jobs[0].values)
+    columns, kinds = {}, {}
+    for name in names:
+        columns[name], kinds[name] = _alike([job.values[name] for job in jobs])
+    # Of equal jobs the last, whose tables are the ones that are there.
+    places = {values: place for place, values in enumerate(zip(*columns.values(), strict=True))}
+    ordered = sorted(places, key=lambda values: [(value is not None, value) for value in values])
+    found = [(dict(zip(names, values, strict=True)), jobs[places[values]]) for values in ordered]
+    folder = outputs / (PREFIX + ",".join(names))
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder / "sweep.parquet", tables.SWEEP, kinds, [values | _row(job, outputs) for values, job in found])
+    stages = [values | stage for values, job in found for stage in _rows(job, "timings")]
+    _write(folder / "timings.parquet", tables.TIMINGS, kinds, stages)
+    return folder
+
+
+def _row(job: Job, outputs: Path) -> Row:
+    row: Row = {"status": STATUSES[job.code], "message": job.message}
+    record = None if job.folder is None else read_record(job.folder)
+    if job.folder is None or record is None:
+        return row
+    scores = {
+        "crs": [one["score"] for one in _rows(job, "crs")],
+        "iou": [one["iou"] for one in _rows(job, "transforms") if one["status"] == "certified"],
+    }
+    row |= {"folder": Path(os.path.relpath(job.folder, outputs)).as_posix()}
+    row |= {name: count for name, count in record["counts"].items() if name in tables.SWEEP.names}
+    for score, found in scores.items():
+        for name, quantile in QUANTILES.items():
+            row[f"{score}_{name}"] = float(np.quantile(found, quantile, method="lower")) if found else None
+    return row
+
+
+def _rows(job: Job, name: str) -> list[Row]:
+    if job.folder is None:
+        return []
+    rows: list[Row] = pq.read_table(job.folder / f"{name}.parquet").to_pylist()
+    return rows
+
+
+def _write(path: Path, schema: pa.Schema, kinds: Mapping[str, pa.DataType], rows: Sequence[Row]) -> None:
+    whole, temporary = tables.with_parameters(schema, kinds), new_place(path.parent)
+    write_parquet(temporary, whole, [from_rows(whole, rows)])
+    temporary.replace(path)
+
+
+def _alike(values: Sequence[Value]) -> tuple[list[Value], pa.DataType]:
+    """Values of one parameter as one type: whole numbers beside others are numbers, other mixtures are text."""
+    kinds = {type(value) for value in values if value is not None}
+    if len(kinds) == 1:
+        return list(values), COLUMNS[kinds.pop()]
+    kind = float if kinds == {int, float} else str
+    return [None if value is None else kind(value) for value in values], COLUMNS[kind]
