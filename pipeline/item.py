@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pipeline import sample
 from riot.parameters import ShapeParameters
 from riot.shape import Shape
-from riot.silhouette import read
 
 
 @dataclass(frozen=True)
@@ -30,6 +29,8 @@ class Item:
 
 def open_item(item: Item, parameters: ShapeParameters | None = None) -> Shape:
     """Read an item's silhouette; raises `riot.errors.SilhouetteError`."""
+    from riot.silhouette import read  # here, so that a collection is listed without what reads pictures
+
     if item.source.startswith(sample.PREFIX):
         return sample.shape(item.source, parameters).renamed(item.name)
     return read(item.source, parameters).renamed(item.name)

@@ -9,17 +9,21 @@ import hashlib
 import json
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from riot.errors import SilhouetteError
-from riot.groundtruth import ExactPair, exact_pair
 from riot.parameters import ShapeParameters
 from riot.shape import FloatArray, Shape
-from riot.silhouette import mask_shape
+
+if TYPE_CHECKING:
+    from riot.groundtruth import ExactPair
+
+# What draws and reads pictures is imported where it is used, so that a collection is listed without it.
 
 PREFIX = "sample:"
 
@@ -78,6 +82,8 @@ def definitions() -> list[tuple[str, str, str, str]]:
 
 def shape(source: str, parameters: ShapeParameters | None = None) -> Shape:
     """The shape of a ``sample:<name>``, from its picture; raises `SilhouetteError` for an unknown name."""
+    from riot.silhouette import mask_shape
+
     return mask_shape(picture(source), source.removeprefix(PREFIX), parameters)
 
 
@@ -115,7 +121,11 @@ def _digest(content: Pair | Glyph) -> str:
 
 def _font() -> Path:
     # Named in full: looking fonts up by family would depend on what else is installed.
-    return Path(matplotlib.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf")
+    # Where matplotlib's package lies is asked, and the package is not loaded: that takes half a second.
+    found = find_spec("matplotlib")
+    if found is None or found.origin is None:
+        raise SilhouetteError("unreadable", "the sample needs matplotlib, whose font it draws; install it")
+    return Path(found.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf"
 
 
 @cache
@@ -125,6 +135,8 @@ def _font_digest() -> str:
 
 @lru_cache(maxsize=4)  # the two sides are mostly asked for one after the other
 def _pair(pieces: int, seed: int) -> ExactPair:
+    from riot.groundtruth import exact_pair
+
     return exact_pair(pieces, seed)
 
 

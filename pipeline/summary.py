@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 
-import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from pipeline import tables
 from pipeline.comparison import read_comparison
 from pipeline.flow import Outcome
 from pipeline.record import counts
@@ -45,7 +43,8 @@ def show_outcome(outcome: Outcome, console: Console) -> None:
 
 
 def _kept(outcome: Outcome) -> int:
-    return ds.dataset(outcome.folder / "qcrs", tables.QCRS, format="parquet").count_rows()  # type: ignore[no-any-return]
+    # Every file tells its rows: pyarrow.dataset would load pandas, which takes longer than all of a finished run.
+    return sum(pq.read_metadata(file).num_rows for file in (outcome.folder / "qcrs").rglob("*.parquet"))
 
 
 def _rows(outcome: Outcome, name: str) -> list[Row]:

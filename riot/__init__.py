@@ -7,33 +7,19 @@ two; `trunks` lists the convex polygons on which a dissection may rest; `constru
 `Transform`.
 """
 
-from riot.construct import Pins, alternatives, construct, load_pins
-from riot.cross import CrossScore, crs
-from riot.errors import ConstructionError, FormatError, RiotError, SilhouetteError, TrunkError
-from riot.quick import QuickScore, qcrs
-from riot.reversibility import Reversibility, reversibility
-from riot.shape import Shape
-from riot.transform import Transform
-from riot.trunks import Trunks, trunks
+from types import ModuleType
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "ConstructionError",
-    "CrossScore",
-    "FormatError",
-    "Pins",
-    "QuickScore",
-    "Reversibility",
-    "RiotError",
-    "Shape",
-    "SilhouetteError",
-    "Transform",
-    "TrunkError",
-    "Trunks",
-    "alternatives",
-    "construct",
-    "crs",
-    "load_pins",
-    "qcrs",
-    "reversibility",
-    "trunks",
-]
+from riot.lazy import offer
+
+if TYPE_CHECKING:
+    from riot.offered import *  # noqa: F403
+
+
+def _offered() -> ModuleType:
+    import riot.offered as module
+
+    return module
+
+
+offer(__name__, _offered, ("construct", "reversibility", "trunks"))

@@ -1,25 +1,18 @@
 """Fabrication: from a transform to a puzzle in the hand (paper §4.4). All lengths in millimetres."""
 
-from riot.fabricate.certificate import FabricationCertificate, Fixed, build, certify, fix
-from riot.fabricate.design import design
-from riot.fabricate.errors import FabricationError
-from riot.fabricate.files import write_puzzle
-from riot.fabricate.model import Design, PieceDesign
-from riot.fabricate.parameters import FabricationParameters
-from riot.fabricate.solid import Part, make_parts
+from types import ModuleType
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "Design",
-    "FabricationCertificate",
-    "FabricationError",
-    "FabricationParameters",
-    "Fixed",
-    "Part",
-    "PieceDesign",
-    "build",
-    "certify",
-    "design",
-    "fix",
-    "make_parts",
-    "write_puzzle",
-]
+from riot.lazy import offer
+
+if TYPE_CHECKING:
+    from riot.fabricate.offered import *  # noqa: F403
+
+
+def _offered() -> ModuleType:
+    import riot.fabricate.offered as module
+
+    return module
+
+
+offer(__name__, _offered, ("design",))

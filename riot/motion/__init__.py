@@ -1,7 +1,18 @@
 """Motion of a transform's pieces from P to Q without collision, as few hinges lifting as can be (theory §9)."""
 
-from riot.motion.motion import Attempt, Motion
-from riot.motion.parameters import MotionParameters
-from riot.motion.planner import plan_motion
+from types import ModuleType
+from typing import TYPE_CHECKING
 
-__all__ = ["Attempt", "Motion", "MotionParameters", "plan_motion"]
+from riot.lazy import offer
+
+if TYPE_CHECKING:
+    from riot.motion.offered import *  # noqa: F403
+
+
+def _offered() -> ModuleType:
+    import riot.motion.offered as module
+
+    return module
+
+
+offer(__name__, _offered)
