@@ -1,4 +1,4 @@
-"""The report of a finished run: one HTML page that needs nothing but itself."""
+"""The report of a finished run, one HTML page that needs nothing but itself, and the gallery of its transforms."""
 
 from pipeline.report.write import write_report
 

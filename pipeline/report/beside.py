@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Mapping
 
 from pipeline.comparison import Compared, Comparison, Made
-from pipeline.report.markup import SHOWN_PAIRS, number, seconds, section, small, table
+from pipeline.report.markup import SHOWN_PAIRS, linked, number, seconds, section, small, table
 from riot.draw.svg import escape
 
 HEAD = (
@@ -14,12 +14,9 @@ HEAD = (
 )  # fmt: skip
 
 
-def beside(comparison: Comparison, lost: Set[int]) -> str:
-    """The section: the best pairs and the medians of all, the other pairs folded.
-
-    Ranks in ``lost`` have no card to lead to.
-    """
-    rows = [_cells(_name(pair, pair.rank not in lost), pair.exact, pair.paper) for pair in comparison.pairs]
+def beside(comparison: Comparison, links: Mapping[int, str]) -> str:
+    """The section: the best pairs and the medians of all, the other pairs folded; ``links`` lead to ranks."""
+    rows = [_cells(_name(pair, links), pair.exact, pair.paper) for pair in comparison.pairs]
     medians = _cells(f"<b>median of {len(rows)}</b>", *comparison.medians)
     note = (
         "The best transforms, made by the paper’s method too on the same trunks. IoU and Hausdorff distance are of the "
@@ -35,9 +32,8 @@ def beside(comparison: Comparison, lost: Set[int]) -> str:
     return section("beside", "Beside the paper’s method", f'<div class="sheet">{body}</div>', note)
 
 
-def _name(pair: Compared, linked: bool) -> str:
-    names = f"{escape(pair.name_p)} ⇄ {escape(pair.name_q)}"
-    return f'<a href="#t{pair.rank}">{names}</a>' if linked else names
+def _name(pair: Compared, links: Mapping[int, str]) -> str:
+    return linked(links, pair.rank, f"{escape(pair.name_p)} ⇄ {escape(pair.name_q)}")
 
 
 def _cells(name: str, exact: Made, paper: Made) -> list[str]:

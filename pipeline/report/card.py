@@ -31,11 +31,25 @@ VIEWS: tuple[tuple[Callable[[Transform, str], list[Mark]], str], ...] = (
 
 @dataclass(frozen=True)
 class Card:
-    """HTML of one transform: the pieces' definitions (once a page), the card, and a small picture that leads to it."""
+    """HTML of one transform: definitions of its pieces (once a page), its names and worth, pictures, and numbers."""
 
+    row: TransformRow
     definitions: str
-    body: str
+    names: str
+    worth: str
+    content: str
     thumb: str
+    """A small picture for a page that has the definitions."""
+
+    @property
+    def body(self) -> str:
+        """The card as an element of a page of many."""
+        rank = self.row.rank
+        return (
+            f'<article class="card" id="t{rank}" aria-labelledby="h{rank}">'
+            f'<header><span class="rank">{rank}</span><h3 id="h{rank}">{self.names}</h3>{self.worth}</header>'
+            f"{self.content}</article>\n"
+        )
 
 
 def card(row: TransformRow, transform: Transform, skins: Skins = PLAIN) -> Card:
@@ -70,15 +84,13 @@ def card(row: TransformRow, transform: Transform, skins: Skins = PLAIN) -> Card:
         box, _pen(box, CHAIN_PENS), (), chain, skins,
     )  # fmt: skip
     moves = "" if motion is None else _moves(transform, prefix, motion.words, skins)
-    body = (
-        f'<article class="card" id="t{row.rank}" aria-labelledby="h{row.rank}">'
-        f'<header><span class="rank">{row.rank}</span><h3 id="h{row.rank}">{_names(row)}</h3>'
-        f'<p class="worth">{"approximate, " if row.approximate else ""}IoU <b>{number(row.iou)}</b></p></header>'
+    worth = f'<p class="worth">{"approximate, " if row.approximate else ""}IoU <b>{number(row.iou)}</b></p>'
+    content = (
         f'<div class="pictures"><div class="panels">{figures}</div><div class="moves">'
-        f"{moves}{_figure(straight, prefix, 'the chain, straight', 'chain')}</div></div>"
-        f"{_numbers(row)}</article>\n"
+        f"{moves}{_figure(straight, prefix, 'the chain, straight', 'chain')}</div></div>{_numbers(row)}"
     )
-    return Card(definitions(drawn.pieces, prefix, skins), body, _thumb(row, drawn, prefix, frames, skins))
+    thumb = _thumb(row, drawn, prefix, frames, skins)
+    return Card(row, definitions(drawn.pieces, prefix, skins), _names(row), worth, content, thumb)
 
 
 def _moves(transform: Transform, prefix: str, words: str, skins: Skins) -> str:

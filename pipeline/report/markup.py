@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from riot.draw.svg import escape
 
@@ -12,6 +12,11 @@ NOTHING = "–"
 
 SHOWN_PAIRS = 20
 """Rows of pairs in sight; the others can be unfolded."""
+
+ICON = (
+    "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
+    "%3Cpath d='M1 15L8 1v14z' fill='%234683c5'/%3E%3Cpath d='M15 15L8 1v14z' fill='%23e9c266'/%3E%3C/svg%3E"
+)
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -80,3 +85,25 @@ def section(anchor: str, title: str, body: str, note: str = "") -> str:
     """A section of the page; ``title`` and ``note`` are text, ``body`` is HTML."""
     under = f'<p class="note">{escape(note)}</p>' if note else ""
     return f'<section id="{anchor}"><h2>{escape(title)}</h2>{under}{body}</section>\n'
+
+
+def linked(links: Mapping[int, str], rank: int, content: str) -> str:
+    """HTML as a link to the transform of a rank, if there is one."""
+    return f'<a href="{escape(links[rank])}">{content}</a>' if rank in links else content
+
+
+def document(title: str, head: str, body: str) -> str:
+    """A whole page: ``title`` is text, ``head`` what else belongs there, both it and ``body`` HTML."""
+    return (
+        "<!DOCTYPE html>\n"
+        '<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<title>{escape(title)}</title><link rel="icon" href="{ICON}">\n'
+        f"{head}</head>\n<body>\n{body}</body></html>\n"
+    )
+
+
+def hidden_definitions(pieces: Iterable[str]) -> str:
+    """Definitions of pieces that pictures of the page show, each once; they are not seen themselves."""
+    found = "".join(dict.fromkeys(pieces))
+    return f'<svg width="0" height="0" style="position:absolute" aria-hidden="true">{found}</svg>\n'

@@ -8,8 +8,21 @@ from typing import Any
 from pipeline.remarks import remarks, several
 from pipeline.report.beside import beside
 from pipeline.report.card import Card
+from pipeline.report.gallery import GALLERY, INDEX
 from pipeline.report.histogram import figure
-from pipeline.report.markup import NOTHING, SHOWN_PAIRS, count, number, seconds, section, small, table
+from pipeline.report.markup import (
+    NOTHING,
+    SHOWN_PAIRS,
+    count,
+    document,
+    hidden_definitions,
+    linked,
+    number,
+    seconds,
+    section,
+    small,
+    table,
+)
 from pipeline.report.puzzles import puzzles
 from pipeline.report.rows import Run, TransformRow
 from pipeline.report.style import style_sheet
@@ -18,31 +31,27 @@ from riot.draw.svg import escape
 SHOWN_ERRORS = 200
 """The page shows no more rows of errors; the table has them all."""
 
-ICON = (
-    "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
-    "%3Cpath d='M1 15L8 1v14z' fill='%234683c5'/%3E%3Cpath d='M15 15L8 1v14z' fill='%23e9c266'/%3E%3C/svg%3E"
-)
+SHOWN_CARDS = 100
+"""The page shows no more transforms; the gallery has them all."""
 
 
-def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str]]) -> str:
-    """The whole HTML text; ``lost`` are transforms whose file could not be read, with the reason."""
+def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str]], gallery: Mapping[int, str]) -> str:
+    """The whole HTML text; ``lost`` are transforms whose file could not be read, with the reason.
+
+    ``cards`` are the best `SHOWN_CARDS`; ``gallery`` leads from the ranks of all that could be read to
+    their pages.
+    """
     name = dataset_name(run)
-    unseen = {row.rank for row, _ in lost}
-    compared = "" if run.comparison is None else beside(run.comparison, unseen)
-    printed = puzzles(run.fabrications, unseen) if run.fabrications else ""
-    pieces = "".join(dict.fromkeys(one.definitions for one in cards))
-    return (
-        "<!DOCTYPE html>\n"
-        '<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<title>{escape(name)} · reversible transforms</title><link rel="icon" href="{ICON}">\n'
-        f"<style>{style_sheet()}</style></head>\n<body>\n"
-        f'<svg width="0" height="0" style="position:absolute" aria-hidden="true">{pieces}</svg>\n'
-        f"{_top(run, name)}<main>\n{_gallery(run, cards)}{_best(run, unseen)}{printed}{compared}"
+    links = {**gallery, **{one.row.rank: f"#t{one.row.rank}" for one in cards}}
+    compared = "" if run.comparison is None else beside(run.comparison, links)
+    printed = puzzles(run.fabrications, links) if run.fabrications else ""
+    body = (
+        f"{hidden_definitions(one.definitions for one in cards)}"
+        f"{_top(run, name)}<main>\n{_gallery(run, cards, len(gallery))}{_best(run, links)}{printed}{compared}"
         f"{_scores(run)}{_timings(run)}{_rejected(run, lost)}{_errors(run)}{_settings(run)}</main>\n"
         "<footer>Written from the tables beside this page; it needs no network and no script.</footer>\n"
-        "</body></html>\n"
     )
+    return document(f"{name} · reversible transforms", f"<style>{style_sheet()}</style>", body)
 
 
 def dataset_name(run: Run) -> str:
@@ -96,7 +105,7 @@ def _remarks(run: Run) -> str:
     return "".join(f'<p class="remark">{escape(one)}</p>' for one in said)
 
 
-def _gallery(run: Run, cards: Sequence[Card]) -> str:
+def _gallery(run: Run, cards: Sequence[Card], total: int) -> str:
     if not cards:
         return section("gallery", "Gallery", '<p class="empty">No transform was constructed.</p>')
     thumbs = "".join(one.thumb for one in cards)
@@ -110,11 +119,13 @@ def _gallery(run: Run, cards: Sequence[Card]) -> str:
             " Approximate transforms, by the paper’s method, come after the exact ones: their pieces overlap and leave "
             "gaps, as the residual says, and no motion is planned for them."
         )
-    body = f'<div class="thumbs">{thumbs}</div>\n{"".join(one.body for one in cards)}'
+    lead = f'<p class="note"><a href="{GALLERY}/{INDEX}">All {count(total)} transforms, to filter and sort</a>'
+    lead += f", each on a page of its own; here are the best {count(len(cards))}.</p>" if total > len(cards) else "</p>"
+    body = f'{lead}<div class="thumbs">{thumbs}</div>\n{"".join(one.body for one in cards)}'
     return section("gallery", "Gallery", body, note)
 
 
-def _best(run: Run, lost: set[int]) -> str:
+def _best(run: Run, links: Mapping[int, str]) -> str:
     if not run.made:
         return section("best", "Best pairs", '<p class="empty">There are none.</p>')
     head = (
@@ -125,9 +136,7 @@ def _best(run: Run, lost: set[int]) -> str:
 
     def cells(row: TransformRow) -> list[str]:
         far = max(row.hausdorff_p, row.hausdorff_q)
-        names = f"{escape(row.name_p)} ⇄ {escape(row.name_q)}"
-        if row.rank not in lost:
-            names = f'<a href="#t{row.rank}">{names}</a>'
+        names = linked(links, row.rank, f"{escape(row.name_p)} ⇄ {escape(row.name_q)}")
         if row.approximate:
             names += " (approximate)"
         values = (row.iou, row.iou_p, row.iou_q, row.change_ratio, row.crs, row.qcrs, far)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.report.markup import NOTHING, count, number, section, small, table
+from pipeline.report.markup import NOTHING, count, linked, number, section, small, table
 from riot.draw.svg import escape
 
 HEAD = (
@@ -14,21 +14,20 @@ HEAD = (
 )  # fmt: skip
 
 
-def puzzles(rows: Sequence[Mapping[str, Any]], lost: Set[int]) -> str:
-    """The section of the rows of `pipeline.tables.FABRICATIONS`; ranks in ``lost`` have no card to lead to."""
+def puzzles(rows: Sequence[Mapping[str, Any]], links: Mapping[int, str]) -> str:
+    """The section of the rows of `pipeline.tables.FABRICATIONS`; ``links`` lead to ranks."""
     note = (
         "Printable puzzles: every part is verified to be one closed solid, pieces to keep their gap at every moment of "
         "the planned motion, solids not to overlap where they are cut with each other. Clearances come from makers’ "
         "literature, not from our own prints."
     )
     numeric = (False, False, True, True, False, True, True, True, True, False, False)
-    body = table(HEAD, [_cells(row, row["rank"] in lost) for row in rows], numeric, "Puzzles")
+    body = table(HEAD, [_cells(row, links) for row in rows], numeric, "Puzzles")
     return section("puzzles", "Puzzles", f'<div class="sheet">{body}</div>', note)
 
 
-def _cells(row: Mapping[str, Any], lost: bool) -> list[str]:
-    names = f"{escape(row['name_i'])} ⇄ {escape(row['name_j'])}"
-    pair = names if lost else f'<a href="#t{row["rank"]}">{names}</a>'
+def _cells(row: Mapping[str, Any], links: Mapping[int, str]) -> list[str]:
+    pair = linked(links, row["rank"], f"{escape(row['name_i'])} ⇄ {escape(row['name_j'])}")
     volume = row["volume"]
     said = [row["message"], *(f"changed {words}" for words in row["changes"] or ()), *(row["warnings"] or ())]
     return [

@@ -66,6 +66,13 @@ class TransformRow:
     gap_q: float
     hinge_p: float
     hinge_q: float
+    swings_flat: bool | None
+    """None = not planned."""
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """The classes of its shapes, each once, without those of shapes that have none."""
+        return tuple(dict.fromkeys(name for name in (self.class_p, self.class_q) if name))
 
     @property
     def approximate(self) -> bool:
@@ -213,7 +220,7 @@ def _transform_row(row: Row) -> TransformRow:
     for field in fields(TransformRow):
         value = row.get(sides.get(field.name, field.name))
         if value is None:
-            value = {"int": 0, "float": math.nan, "str": ""}[str(field.type)]
+            value = {"int": 0, "float": math.nan, "str": "", "bool | None": None}[str(field.type)]
         values[field.name] = value
     return TransformRow(**values)
 

@@ -1,39 +1,99 @@
-"""Read a run, draw its transforms, and put the page beside the tables."""
+"""Read a run, draw its transforms, and put the report and the gallery beside the tables."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.outputs import new_place, replace_folder
 from pipeline.report.card import Card, card
-from pipeline.report.page import page
+from pipeline.report.gallery import GALLERY, INDEX, SCRIPT, STYLE, index, page_name, thumb_name
+from pipeline.report.gallery_style import gallery_style
+from pipeline.report.page import SHOWN_CARDS, dataset_name, page
 from pipeline.report.rows import TransformRow, read_run
+from pipeline.report.script import SCRIPT_TEXT
+from pipeline.report.single import single
+from pipeline.report.thumb import thumb
 from pipeline.skins import read_skins
 from pipeline.store import write_atomically
+from riot.draw.skin import Skins
 from riot.errors import FormatError
 from riot.riotfile import from_json
+from riot.transform import Transform
 
 REPORT = "report.html"
 
+Lost = tuple[TransformRow, str]
+"""A row whose file could not be read, and why."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    row: TransformRow
+    transform: Transform
+    skins: Skins
+
 
 def write_report(run_dir: Path) -> Path:
-    """Write ``report.html`` into the folder of a finished run and return its path.
+    """Write ``report.html`` and ``gallery/`` into the folder of a finished run; returns the report's path.
 
-    The page depends on the run's tables, `run.json` and transforms alone: the same ones give the same bytes. A
-    transform whose file is gone or damaged is listed as such instead of stopping the report. Raises
-    `pipeline.report.rows.ReportError` (a FileNotFoundError) if a table is missing. Ours.
+    Both depend on the run's tables, `run.json`, transforms and skins alone: the same ones give the same bytes; the
+    gallery shows no times, so equal runs have equal galleries. A transform whose file is gone or damaged is listed as
+    such instead of stopping the report. Raises `pipeline.report.rows.ReportError` (a FileNotFoundError) if a table is
+    missing. Ours.
     """
     run = read_run(run_dir)
+    puzzles = {int(row["rank"]): row for row in run.fabrications}
+    lost: list[Lost] = []
+    rows: list[TransformRow] = []
     cards: list[Card] = []
-    lost: list[tuple[TransformRow, str]] = []
-    for row in run.made:
+    temporary = new_place(run_dir)
+    temporary.mkdir()
+    for before, one, after in _between(_readable(run_dir, run.made, lost)):
+        shown = card(one.row, one.transform, one.skins)
+        around = [None if other is None else other.row for other in (before, after)]
+        _write(temporary / page_name(one.row), single(shown, one.transform, puzzles.get(one.row.rank), *around))
+        _write(temporary / thumb_name(one.row), thumb(one.transform, one.skins))
+        rows.append(one.row)
+        if len(cards) < SHOWN_CARDS:
+            cards.append(shown)
+    printed = frozenset(rank for rank, row in puzzles.items() if row["folder"])
+    _write(temporary / INDEX, index(dataset_name(run), rows, printed))
+    _write(temporary / STYLE, gallery_style())
+    _write(temporary / SCRIPT, SCRIPT_TEXT)
+    replace_folder(temporary, run_dir / GALLERY)
+    target = run_dir / REPORT
+    links = {row.rank: f"{GALLERY}/{page_name(row)}" for row in rows}
+    write_atomically(target, page(run, cards, lost, links).encode())
+    return target
+
+
+def _readable(run_dir: Path, rows: Iterable[TransformRow], lost: list[Lost]) -> Iterator[_Drawn]:
+    """The transforms whose files can be read; the others are added to ``lost``."""
+    for row in rows:
         try:
             text = (run_dir / row.file).read_text(encoding="utf-8", errors="replace")
             transform = from_json(text, row.file)
-            cards.append(card(row, transform, read_skins(run_dir, row.file, len(transform))))
         except FileNotFoundError:
             lost.append((row, f"{row.file} is gone; run again to restore it"))
         except FormatError as error:
             lost.append((row, str(error)))
-    target = run_dir / REPORT
-    write_atomically(target, page(run, cards, lost).encode())
-    return target
+        else:
+            yield _Drawn(row, transform, read_skins(run_dir, row.file, len(transform)))
+
+
+def _between(drawn: Iterable[_Drawn]) -> Iterator[tuple[_Drawn | None, _Drawn, _Drawn | None]]:
+    """Each with the one before and the one after; no more than three are held."""
+    before: _Drawn | None = None
+    now: _Drawn | None = None
+    for after in drawn:
+        if now is not None:
+            yield before, now, after
+        before, now = now, after
+    if now is not None:
+        yield before, now, None
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")

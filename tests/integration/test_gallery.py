@@ -1,0 +1,326 @@
+"""The gallery of an invented run: a plain list without script; with it, a thousand transforms filtered and sorted."""
+
+import math
+import re
+import shutil
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import fake_run
+import numpy as np
+import pytest
+
+from pipeline.report import write_report
+from pipeline.report.gallery import GALLERY, INDEX, ORDERS, SCRIPT, STYLE, index, page_name, thumb_name
+from pipeline.report.gallery_style import gallery_style
+from pipeline.report.page import SHOWN_CARDS
+from pipeline.report.rows import read_run
+from pipeline.report.script import SCRIPT_TEXT
+from pipeline.report.thumb import thumb
+from riot.history import History, Step
+
+MANY = 1000
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+VOID = {"meta", "link", "img", "input"}
+
+
+class Page(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.stack, self.elements, self.text = [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.stack.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.stack and self.stack.pop() == tag, f"</{tag}> closes nothing"
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+    def all(self, tag):
+        return [attrs for name, attrs in self.elements if name == tag]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("outputs") / "fake"
+    folder.mkdir()
+    made = fake_run.transforms()
+    told = History("riot make", ("ab" * 32, "cd" * 32), (Step("trunks", {"spacing": 15.0}, "ef" * 32),), {"numpy": "2"})
+    made[0] = replace(made[0], history=told)
+    names = {"name_i": "a", "name_j": "b", "class_i": "", "class_j": ""}
+    puzzle = names | {
+        "rank": 1,
+        "status": "certified",
+        "folder": "print/0001",
+        "size": 120.0,
+        "parts": 9,
+        "message": "",
+    }
+    refused = names | {"rank": 2, "status": "refused", "folder": "", "message": "the neck of piece 2 is <thin>"}
+    fake_run.write_fake_run(folder, made=made, fabrications=[puzzle, refused])
+    (folder / "print" / "0001").mkdir(parents=True)
+    write_report(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def rows(run):
+    """A thousand rows of transforms that are not there."""
+    rng, known = np.random.default_rng(5), read_run(run).made
+    return [
+        replace(
+            known[k % len(known)],
+            rank=k + 1,
+            name_p=f"<shape> {k}",
+            class_p=f"class & {k % 7}",
+            class_q=f"kind {k % 3}",
+            file=f"transforms/{k + 1:04d}.riot",
+            n=3 + k % 4,
+            iou=1.0 - 0.0002 * k,
+            crs=float(rng.random()),
+            qcrs=math.nan if k % 100 == 0 else float(rng.random()),
+            swings_flat=k % 5 != 0,
+        )
+        for k in range(MANY)
+    ]
+
+
+@pytest.fixture(scope="module")
+def many(rows, run, tmp_path_factory):
+    """The gallery of those rows, as files."""
+    folder = tmp_path_factory.mktemp("many")
+    (folder / INDEX).write_text(index("many", rows, frozenset({2, 9})), encoding="utf-8")
+    (folder / STYLE).write_text(gallery_style(), encoding="utf-8")
+    (folder / SCRIPT).write_text(SCRIPT_TEXT, encoding="utf-8")
+    pictures = sorted((run / GALLERY).glob("*.svg"))
+    for k, row in enumerate(rows):
+        shutil.copy(pictures[k % len(pictures)], folder / thumb_name(row))
+    single = (run / GALLERY / page_name(read_run(run).made[0])).read_text(encoding="utf-8")
+    (folder / page_name(rows[0])).write_text(single, encoding="utf-8")
+    return folder
+
+
+def test_every_link_and_picture_is_there(run):
+    pages = sorted((run / GALLERY).glob("*.html"))
+    assert len(pages) == 1 + len(read_run(run).made)
+    for page in [*pages, run / "report.html"]:
+        parsed = Page(page.read_text(encoding="utf-8"))
+        assert not parsed.stack
+        ids = [attrs["id"] for _, attrs in parsed.elements if "id" in attrs]
+        assert len(ids) == len(set(ids))
+        for tag, attrs in parsed.elements:
+            assert not any(name.startswith("on") for name in attrs)
+            for name in {"href", "src"} & set(attrs):
+                address = attrs[name]
+                if address.startswith("#"):
+                    assert address[1:] in ids
+                elif not address.startswith("data:image/"):
+                    assert tag in {"a", "link", "img", "script"} and (page.parent / address).resolve().exists(), address
+
+
+def test_is_a_plain_list_without_script(run):
+    parsed = Page((run / GALLERY / INDEX).read_text(encoding="utf-8"))
+    made = read_run(run).made
+    (form,) = parsed.all("form")
+    assert "hidden" in form  # until the script shows it
+    names = [page_name(row) for row in made]
+    assert [attrs["href"] for attrs in parsed.all("a") if attrs["href"].startswith("0")] == names
+    pictures = parsed.all("img")
+    assert [attrs["src"] for attrs in pictures] == [thumb_name(row) for row in made]
+    assert all(attrs["loading"] == "lazy" and attrs["alt"] and attrs["width"] for attrs in pictures)
+    shown = "".join(parsed.text)
+    for row in made:
+        assert f"{row.name_p} ⇄ {row.name_q}".translate({1: "�", 127: "�"}) in shown and f"IoU {row.iou:.3f}" in shown
+
+
+def test_a_page_tells_all_of_its_transform(run):
+    made = read_run(run).made
+    texts = [(run / GALLERY / page_name(row)).read_text(encoding="utf-8") for row in made]
+    first, second, last = Page(texts[0]), Page(texts[1]), Page(texts[-1])
+    rels = [[attrs.get("rel") for attrs in page.all("a") if "rel" in attrs] for page in (first, second, last)]
+    assert rels == [["up", "next"], ["prev", "up", "next"], ["prev", "up"]]
+    assert sum("picture P: sha256 " + "ab" * 32 in text for text in texts) == 1
+    assert {"href": "../print/0001/"} in first.all("a") and "the neck of piece 2 is <thin>" in "".join(second.text)
+    for row, text in zip(made, texts, strict=True):
+        shown = "".join(Page(text).text)
+        assert f"{row.crs:.3f}" in shown and "open hinge" in shown and {"href": f"../{row.file}"} in Page(text).all("a")
+        assert text.count("<animateTransform") >= 2 * row.n
+
+
+def test_is_the_same_every_time_and_everywhere(run, tmp_path):
+    elsewhere = tmp_path / "another place" / run.name
+    shutil.copytree(run, elsewhere)
+    write_report(elsewhere)
+    files = {file.name: file.read_bytes() for file in (run / GALLERY).iterdir()}
+    assert {file.name: file.read_bytes() for file in (elsewhere / GALLERY).iterdir()} == files
+    assert not [path for path in elsewhere.iterdir() if path.name.startswith(".")]
+
+
+def test_an_older_gallery_is_replaced_and_lost_transforms_are_not_in_it(run, tmp_path):
+    folder = tmp_path / "run"
+    shutil.copytree(run, folder)
+    made = read_run(folder).made
+    (folder / made[1].file).unlink()
+    write_report(folder)
+    names = {file.name for file in (folder / GALLERY).iterdir()}
+    kept = [row for row in made if row.rank != 2]
+    assert names == {INDEX, STYLE, SCRIPT, *map(page_name, kept), *map(thumb_name, kept)}
+    page = Page((folder / GALLERY / page_name(made[0])).read_text(encoding="utf-8"))
+    assert [one["href"] for one in page.all("a") if one.get("rel") == "next"] == [page_name(made[2])]
+
+
+def test_a_small_picture_shows_both_shapes_at_one_scale_in_light_and_dark():
+    for transform in fake_run.transforms():
+        text = thumb(transform)
+        root = ET.fromstring(text)
+        space = "{http://www.w3.org/2000/svg}"
+        n = len(transform)
+        assert len(root.findall(f"{space}use")) == 2 * n and len(root.findall(f".//{space}g")) == n
+        left, top, width, height = map(float, root.get("viewBox").split())
+        assert width == 2 * height and left == -width / 2 and top == -height / 2
+        assert "scale" not in text and "prefers-color-scheme:dark" in text
+        assert len(text) < 8000
+
+
+def test_the_report_shows_the_best_and_leads_to_the_others(run, tmp_path, monkeypatch):
+    assert SHOWN_CARDS == 100
+    monkeypatch.setattr("pipeline.report.write.SHOWN_CARDS", 2)
+    folder = tmp_path / "run"
+    shutil.copytree(run, folder)
+    text = write_report(folder).read_text(encoding="utf-8")
+    made = read_run(folder).made
+    assert len(re.findall('<article class="card"', text)) == 2
+    links = [attrs["href"] for attrs in Page(text).all("a")]
+    assert "#t2" in links and "#t3" not in links and f"{GALLERY}/{page_name(made[2])}" in links
+    assert f"{GALLERY}/{INDEX}" in links
+
+
+def test_a_thousand_transforms_make_a_small_page(rows):
+    text = index("many", rows)
+    assert len(text.encode()) < 450 * MANY
+    page = Page(text)
+    assert len(page.all("li")) == MANY and not page.all("svg")
+    assert all(len(attrs["data-v"].split()) == len(ORDERS) for attrs in page.all("li"))
+
+
+def test_an_empty_gallery_says_so():
+    page = Page(index("none", []))
+    assert "No transform was constructed." in "".join(page.text) and not page.all("li")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra dev)")
+    if CHROMIUM is None:
+        pytest.skip("there is no Chromium on this machine")
+    with api.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def tab(browser, many):
+    page = browser.new_page(viewport={"width": 390, "height": 844})
+    wrong = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("request", lambda request: wrong.append(request.url) if not request.url.startswith("file:") else None)
+    page.goto((many / INDEX).as_uri())
+    yield page
+    page.close()
+    assert not wrong
+
+
+def visible(tab):
+    """Ranks of what is shown, in order."""
+    places = tab.eval_on_selector_all(
+        ".grid li", "all => all.filter(one => !one.hidden).map(one => one.dataset.v.split(' ')[0])"
+    )
+    return [int(place) for place in places]
+
+
+def chosen(rows, passes):
+    return [row.rank for row in rows if passes(row)]
+
+
+def test_filters_show_what_passes_all_of_them(tab, rows):
+    assert visible(tab) == chosen(rows, lambda row: True)
+    assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")  # nothing sticks out on a phone
+    tab.select_option("[name=class]", label="class & 3")
+    assert visible(tab) == chosen(rows, lambda row: "class & 3" in row.classes)
+    tab.check("[name=flat]")
+    tab.select_option("[name=n]", "5")
+    tab.fill("[name=iou]", "0.9")
+    found = chosen(
+        rows, lambda row: "class & 3" in row.classes and row.swings_flat and row.n == 5 and round(row.iou, 5) >= 0.9
+    )
+    assert visible(tab) == found and 0 < len(found) < MANY
+    assert tab.inner_text(".shown") == f"{len(found)} of {MANY} transforms"
+    tab.reload()  # what was chosen is in the address
+    assert visible(tab) == found
+    tab.click("[type=reset]")
+    tab.check("[name=puzzle]")
+    assert visible(tab) == [2, 9]
+    tab.fill("[name=q]", "<SHAPE> 8 KIND")
+    assert visible(tab) == [9]
+
+
+@pytest.mark.parametrize("order", ["crs", "qcrs", "n", "bending"])
+def test_sorts_by_any_score_the_best_first_and_what_has_none_last(tab, rows, order):
+    value, sign = ORDERS[order].value, -1 if ORDERS[order].greatest_first else 1
+
+    def key(row, sign):
+        shown = float(f"{value(row):.5g}")
+        return (math.isnan(shown), 0.0 if math.isnan(shown) else sign * shown, row.rank)
+
+    tab.select_option("[name=sort]", order)
+    assert visible(tab) == [row.rank for row in sorted(rows, key=lambda row: key(row, sign))]
+    tab.check("[name=reverse]")
+    assert visible(tab) == [row.rank for row in sorted(rows, key=lambda row: key(row, -sign))]
+
+
+def test_keys_lead_through_the_gallery(tab, rows, many):
+    focused = "document.activeElement.parentElement.dataset.v?.split(' ')[0]"
+    tab.keyboard.press("/")
+    tab.keyboard.type("2 class")
+    found = visible(tab)
+    assert found == chosen(rows, lambda row: "2" in f"{row.name_p} {row.name_q} {row.class_p} {row.class_q}")
+    tab.keyboard.press("Enter")
+    assert tab.evaluate(focused) == str(found[0])
+    for press, place in (
+        ("ArrowRight", 1),
+        ("ArrowDown", 3),
+        ("ArrowLeft", 2),
+        ("ArrowUp", 0),
+        ("End", -1),
+        ("Home", 0),
+    ):
+        tab.keyboard.press(press)  # two in a row at this width
+        assert tab.evaluate(focused) == str(found[place]), press
+    opened = page_name(rows[found[0] - 1])
+    shutil.copy(many / page_name(rows[0]), many / opened)
+    tab.keyboard.press("Enter")
+    tab.wait_for_url(f"**/{opened}")
+    tab.keyboard.press("Escape")
+    tab.wait_for_url(f"**/{INDEX}")
+
+
+def test_pictures_out_of_sight_are_not_loaded(tab):
+    loaded = tab.evaluate("[...document.images].filter(one => one.complete && one.naturalWidth).length")
+    assert 0 < loaded < MANY / 4
+
+
+def test_without_script_there_is_a_list_and_no_form(browser, many):
+    page = browser.new_page()
+    page.route(f"**/{SCRIPT}", lambda route: route.abort())
+    page.goto((many / INDEX).as_uri())
+    assert page.locator(".grid li:visible").count() == MANY
+    assert not page.locator(".controls").is_visible()
+    page.close()
