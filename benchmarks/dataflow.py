@@ -27,7 +27,7 @@ from pipeline.execute import Run
 from pipeline.item import Item
 from pipeline.plan import Plan, make_plan
 from pipeline.store import Store
-from pipeline.work.items import unpack_trunks
+from pipeline.work.trunk_arrays import unpack_trunks
 from riot.quick import BlockScores, TrunkStack, score_block, stack
 
 OVERHEAD = 1.1

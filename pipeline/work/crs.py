@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.artifact import AnyArray, Artifact
-from pipeline.work.items import ErrorRow, attempt, expect_shape, unpack_trunks
+from pipeline.work.items import ErrorRow, attempt, expect_shape
+from pipeline.work.trunk_arrays import unpack_trunks
 from riot.cross import CrossScore, best_trunk_pairs
 
 TERMS = ("score", "s_edge", "s_angle", "s_area", "area")

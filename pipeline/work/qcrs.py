@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.artifact import Artifact
-from pipeline.work.items import unpack_batch_trunks
+from pipeline.work.trunk_arrays import unpack_batch_trunks
 from riot.quick import TrunkStack, score_block, stack
 
 COLUMNS = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.artifact import AnyArray, Artifact
-from pipeline.work.items import NO_TRUNKS, ErrorRow, attempt, count_shapes, pack_trunks, unpack_shape
+from pipeline.work.items import ErrorRow, attempt, count_shapes, unpack_shape
+from pipeline.work.trunk_arrays import NO_TRUNKS, pack_trunks
 from riot.leaves import gather_leaves
 from riot.reversibility import reversibility
 from riot.shape import Shape
@@ -17,7 +18,7 @@ from riot.vertices import sparse_points
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
-    """Batch of shapes → `pipeline.work.items.pack_trunks` arrays and ``sparse`` (k,) int64, the sparse point counts.
+    """Batch of shapes → arrays of `pipeline.work.trunk_arrays.pack_trunks`, and ``sparse`` (k,) int64: point counts.
 
     And ``leaves`` (l, 16) int32 from ``leaf_offsets`` (k + 1,) int64, every shape's trunks gathered for the search.
     """

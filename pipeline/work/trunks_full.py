@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from pipeline.artifact import Artifact
-from pipeline.work.items import ErrorRow, attempt, expect_shape, pack_trunks
+from pipeline.work.items import ErrorRow, attempt, expect_shape
+from pipeline.work.trunk_arrays import pack_trunks
 from riot.trunks import full_trunks
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.artifact import Artifact, decode, encode
-from pipeline.work.items import pack_trunks, unpack_batch_trunks, unpack_trunks
+from pipeline.work.trunk_arrays import pack_trunks, unpack_batch_trunks, unpack_trunks
 from riot.trunks import Trunks
 
 
