@@ -26,6 +26,7 @@ import numpy.typing as npt
 
 from riot.errors import FormatError
 from riot.shape import FloatArray, Shape
+from riot.untrusted import JSON_BYTES, TooManyBytes, read_text
 
 FORMAT = "riot-pins"
 VERSION = 1
@@ -73,7 +74,11 @@ def draw(points: npt.ArrayLike) -> Pin:
 
 def load_pins(path: str | os.PathLike[str], p: Shape, q: Shape) -> Pins:
     """Read a pins file; ``p`` and ``q`` convert from their sources' coordinates. `FormatError` says what to change."""
-    return pins_from_json(Path(path).read_text(encoding="utf-8", errors="replace"), p, q, str(path))
+    try:
+        text = read_text(Path(path), JSON_BYTES)
+    except TooManyBytes as error:
+        raise FormatError(f"{path} is no pins file: {error}; keep few pins") from error
+    return pins_from_json(text, p, q, str(path))
 
 
 def pins_from_json(text: str, p: Shape, q: Shape, where: str = "text") -> Pins:
@@ -107,7 +112,7 @@ def _pin(row: Any, shape: Shape, frame: str, where: str) -> Pin:
     kind, value = next(iter(row.items()))
     try:
         points = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         points = np.empty(0)
     least = 2 if kind == "draw" else 1
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < least or not np.isfinite(points).all():
