@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test setup check bench clean
+.PHONY: run test setup check bench repro clean
 .DEFAULT_GOAL := run
 
 run: setup
@@ -18,7 +18,7 @@ setup: $(READY)
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("RIOT needs Python 3.11 or newer; set PYTHON=…") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,dvc]'
 	touch $@
 
 # Everything that CI runs.
@@ -27,6 +27,11 @@ check: setup
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
+
+# The stages of dvc.yaml; then `dvc metrics show`, `dvc plots show`, with $(BIN) in the PATH. DVC brings some seventy
+# packages of its own, which is why it is an extra, but whoever clones this should not have to ask for it.
+repro: setup
+	PATH="$(abspath $(BIN)):$$PATH" dvc repro
 
 bench: setup
 	$(BIN)/python benchmarks/run.py

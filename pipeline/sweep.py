@@ -7,14 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from pipeline import tables
 from pipeline.exits import BAD_START, CLEAN, FAILED, WITH_ERRORS
+from pipeline.measures import measures, rows
 from pipeline.outputs import from_rows, new_place, write_parquet
-from pipeline.record import read_record
 from pipeline.results import Row
 
 PREFIX = "sweep="
@@ -27,9 +25,6 @@ Value = bool | int | float | str | None
 
 COLUMNS = {bool: pa.bool_(), int: pa.int64(), float: pa.float64(), str: pa.string()}
 """Types of parameters, and of their columns."""
-
-QUANTILES = {"max": 1.0, "q90": 0.9, "median": 0.5}
-"""Of the scores of a job; each is a score that some pair has."""
 
 
 @dataclass(frozen=True)
@@ -62,33 +57,17 @@ def write_sweep(outputs: Path, jobs: Sequence[Job]) -> Path:
     folder = outputs / (PREFIX + ",".join(names))
     folder.mkdir(parents=True, exist_ok=True)
     _write(folder / "sweep.parquet", tables.SWEEP, kinds, [values | _row(job, outputs) for values, job in found])
-    stages = [values | stage for values, job in found for stage in _rows(job, "timings")]
+    stages = [values | stage for values, job in found if job.folder for stage in rows(job.folder, "timings")]
     _write(folder / "timings.parquet", tables.TIMINGS, kinds, stages)
     return folder
 
 
 def _row(job: Job, outputs: Path) -> Row:
     row: Row = {"status": STATUSES[job.code], "message": job.message}
-    record = None if job.folder is None else read_record(job.folder)
-    if job.folder is None or record is None:
-        return row
-    scores = {
-        "crs": [one["score"] for one in _rows(job, "crs")],
-        "iou": [one["iou"] for one in _rows(job, "transforms") if one["status"] == "certified"],
-    }
-    row |= {"folder": Path(os.path.relpath(job.folder, outputs)).as_posix()}
-    row |= {name: count for name, count in record["counts"].items() if name in tables.SWEEP.names}
-    for score, found in scores.items():
-        for name, quantile in QUANTILES.items():
-            row[f"{score}_{name}"] = float(np.quantile(found, quantile, method="lower")) if found else None
-    return row
-
-
-def _rows(job: Job, name: str) -> list[Row]:
     if job.folder is None:
-        return []
-    rows: list[Row] = pq.read_table(job.folder / f"{name}.parquet").to_pylist()
-    return rows
+        return row
+    found = {name: value for name, value in measures(job.folder).items() if name in tables.SWEEP.names}
+    return row | found | {"folder": Path(os.path.relpath(job.folder, outputs)).as_posix()}
 
 
 def _write(path: Path, schema: pa.Schema, kinds: Mapping[str, pa.DataType], rows: Sequence[Row]) -> None:
