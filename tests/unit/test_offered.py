@@ -4,39 +4,42 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from types import ModuleType
 
 import pytest
 
 import riot
-from riot import offered
+import riot.fabricate.offered
+import riot.motion.offered
+import riot.offered
 
-NAMESAKES = [name for name in offered.__all__ if f"riot.{name}" in sys.modules]
+PACKAGES = [(riot, riot.offered), (riot.motion, riot.motion.offered), (riot.fabricate, riot.fabricate.offered)]
 
 
 def says(code: str) -> str:
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120).stdout
 
 
-def test_every_name_is_what_its_module_has() -> None:
-    assert {"construct", "reversibility", "trunks"} == set(NAMESAKES)
+@pytest.mark.parametrize(("package", "offered"), PACKAGES, ids=lambda module: module.__name__)
+def test_every_name_is_what_its_module_has(package: ModuleType, offered: ModuleType) -> None:
     for name in offered.__all__:
-        assert getattr(riot, name) is getattr(offered, name) and name in dir(riot)
+        assert getattr(package, name) is vars(offered)[name] and name in dir(package)
+        assert not isinstance(vars(offered)[name], ModuleType)
     with pytest.raises(AttributeError, match="nothing_of_this_name"):
-        riot.nothing_of_this_name  # noqa: B018
+        package.nothing_of_this_name  # noqa: B018
 
 
 def test_names_shared_with_modules_are_the_functions_in_any_order() -> None:
-    late = "import riot.trunks, riot.construct, riot.reversibility\nfrom riot import trunks, construct, reversibility\n"
-    early = (
-        "from riot import trunks, construct, reversibility\nimport riot.trunks, riot.construct, riot.reversibility\n"
-    )
-    for first in (late, early):
-        assert (
-            says(first + "print(callable(trunks), callable(construct), callable(reversibility))") == "True True True\n"
+    imported = "import riot.trunks, riot.construct, riot.reversibility, riot.fabricate.design"
+    named = "from riot import trunks, construct, reversibility\nfrom riot.fabricate import design"
+    for first, then in ((imported, named), (named, imported)):
+        assert says(f"{first}\n{then}\nprint(*map(callable, (trunks, construct, reversibility, design)))") == (
+            "True True True True\n"
         )
     assert says("from riot import *\nprint(callable(trunks), Shape.__name__)") == "True Shape\n"
 
 
 def test_errors_and_parameters_load_no_numeric_library() -> None:
-    code = "import sys, riot.errors\nfrom riot import parameters\nprint([name for name in ('numba', 'scipy') if name in sys.modules])"
-    assert says(code) == "[]\n"
+    imported = "import sys, riot.errors, riot.motion.parameters, riot.fabricate.parameters\nfrom riot import parameters"
+    listed = "print([name for name in ('numba', 'scipy', 'shapely') if name in sys.modules])"
+    assert says(f"{imported}\n{listed}") == "[]\n"
