@@ -213,6 +213,10 @@ def _pictures(root: Path, get: str) -> tuple[list[Path], list[Rejected], int]:
             path = Path(folder, file)
             if file.startswith(".") or path.suffix.lower() not in PICTURES:
                 ignored += 1
+            elif not _is_text(str(path)):
+                shown = str(path).encode(errors="backslashreplace").decode()
+                name = _without_suffix(shown[len(str(root)) :].lstrip("/"), path)
+                rejected.append(Rejected(name, shown, "name", f"{shown}: the name is no text (UTF-8); rename the file"))
             elif not Path(os.path.realpath(path)).is_relative_to(real):
                 name = _without_suffix(_normal(path.relative_to(root).as_posix()), path)
                 message = f"{path}: a link that leads out of the data set; copy the picture"
@@ -222,6 +226,15 @@ def _pictures(root: Path, get: str) -> tuple[list[Path], list[Rejected], int]:
             else:
                 ignored += 1
     return paths, sorted(rejected, key=lambda row: row.name), ignored
+
+
+def _is_text(name: str) -> bool:
+    """Whether a name can be written into tables and keys; a file system may hold any bytes."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _answers(path: Path) -> bool:

@@ -10,11 +10,13 @@ import argparse
 import contextlib
 import csv
 import hashlib
+import lzma
 import os
 import shutil
 import sys
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass
 from pathlib import Path, PurePosixPath
@@ -34,6 +36,8 @@ MPEG7_MANIFEST = Path(__file__).parent / "manifests" / "mpeg7.csv"
 _MAX_PIXELS = 10_000_000
 _MAX_BYTES = 500_000_000
 """An archive that unpacks to more is none of these."""
+_NO_ARCHIVE = (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, zlib.error, lzma.LZMAError, ValueError)
+"""What `zipfile` ends in when an archive is damaged, encrypted or packed in a way of its own."""
 _TIMEOUT = 60.0
 
 
@@ -189,7 +193,7 @@ def _unpack(archive: Path, folder: Path, entries: Iterable[Entry]) -> None:
                 path = folder / (name + inner.suffix.lower())
                 with packed.open(info) as source, path.open("wb") as sink:
                     shutil.copyfileobj(source, sink)
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError) as error:
+    except _NO_ARCHIVE as error:
         raise DatasetError(f"{archive.name}: no archive that can be unpacked ({error}); try again later") from error
 
 

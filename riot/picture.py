@@ -57,7 +57,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
     try:
         check_file(where, PICTURE_BYTES)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # max_pixels decides
+            warnings.simplefilter("ignore")  # max_pixels decides, and a damaged file is an error or a shape
             with Image.open(where, formats=FORMATS) as image:
                 if image.width * image.height > max_pixels:
                     raise SilhouetteError(

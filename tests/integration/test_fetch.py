@@ -191,3 +191,32 @@ def test_the_manifest_of_mpeg7() -> None:
     assert len({entry.name.casefold() for entry in entries}) == len(entries) == 1400
     assert len({entry.name.rpartition("-")[0] for entry in entries}) == 70
     assert all(len(entry.sha256) == 64 and entry.width > 0 and entry.height > 0 for entry in entries)
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2, zipfile.ZIP_STORED])
+def test_any_damage_of_an_archive_is_told_as_one(server: Server, manifest: Path, tmp_path: Path, method: int) -> None:
+    path = server.folder / "packed.zip"
+    with zipfile.ZipFile(path, "w", method) as archive:
+        for member, data in good().items():
+            archive.writestr(member, data)
+    whole = path.read_bytes()
+    for at in range(0, len(whole), 29):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 255]) + whole[at + 1 :])
+        try:
+            fetch.fetch(tmp_path / f"set-{at}", [server.url("packed.zip")], manifest)
+        except DatasetError as error:
+            assert ";" in str(error)
+
+
+def test_an_archive_that_unpacks_to_too_much_is_not_unpacked(
+    server: Server, manifest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fetch, "_MAX_BYTES", 1_000_000)
+    members = good() | {"apple-1.gif": bytes(1_000_001)}
+    with zipfile.ZipFile(server.folder / "bomb.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        for member, data in members.items():
+            archive.writestr(member, data)
+    assert (server.folder / "bomb.zip").stat().st_size < 10_000
+    with pytest.raises(DatasetError, match="more than 1000000 bytes"):
+        fetch.fetch(tmp_path / "cache" / "set", [server.url("bomb.zip")], manifest)
+    assert nothing_left(tmp_path / "cache" / "set")

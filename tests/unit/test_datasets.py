@@ -215,3 +215,14 @@ def test_sample_is_the_same_in_every_process() -> None:
 def test_unknown_sample() -> None:
     with pytest.raises(SilhouetteError, match="no such shape"):
         sample.shape("sample:nothing")
+
+
+def test_names_that_are_no_text_are_rejected(tmp_path: Path) -> None:
+    """Linux takes any bytes for a name; tables and keys take text."""
+    whole = picture(tmp_path / "good-1.png")
+    (tmp_path / os.fsdecode(b"bad\xff-1.png")).write_bytes(whole.read_bytes() + b"x")
+    found = folder(tmp_path)
+    assert [item.name for item in found.items] == ["good-1"]
+    assert [(row.name, row.reason) for row in found.rejected] == [("bad\\udcff-1", "name")]
+    (row,) = found.rejected
+    assert "rename" in row.message and (row.message + row.source + row.name).isascii()
