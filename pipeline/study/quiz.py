@@ -1,0 +1,189 @@
+"""The paper's human study (§6) as a sheet of pairs to judge, and what the scores answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+from matplotlib.figure import Figure
+
+from pipeline.errors import ConfigError, StartError
+from pipeline.study import plots
+from pipeline.study.beside import write_beside
+from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.finished import Finished
+from pipeline.study.partners import Partners
+from pipeline.study.quiz_page import Answers, quiz_page
+from pipeline.study.quiz_pairs import Pair, choose
+from riot.draw.palette import LIGHT, PIECES
+from riot.errors import FormatError
+from riot.riotfile import from_json
+from riot.shape import FloatArray
+from riot.transform import Transform
+
+QUIZ = "quiz.html"
+
+PEOPLE, RIGHT = 30, 0.41
+"""How many people judged 16 pairs in the paper, and which share of their answers was right."""
+
+HALVES = {True: "reversible", False: "not reversible"}
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """``pairs`` are shown, half of them reversible.
+
+    What refined trunks of the other half allow is an IoU ``margin`` below the least of the reversible ones. A score
+    says "reversible" above ``threshold``: 0.5 is the CRS above which the paper constructs a pair.
+    """
+
+    pairs: int = 16
+    margin: float = 0.05
+    threshold: float = 0.5
+    seed: int = 2018
+
+    def __post_init__(self) -> None:
+        if self.pairs < 2 or self.pairs % 2:
+            raise ConfigError(f"pairs: must be even, and 2 or more, got {self.pairs}")
+        for name in ("margin", "threshold"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise ConfigError(f"{name}: must be in [0, 1], got {getattr(self, name)}")
+        if self.seed < 0:
+            raise ConfigError(f"seed: must be 0 or more, got {self.seed}")
+
+
+def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+    """Choose the pairs, let the scores answer, and write the sheet, `QUIZ`, beside the study's page."""
+    say(f"choosing {parameters.pairs} pairs …")
+    partners = Partners(finished.shapes, finished.config.trunks, finished.config.refine, finished.config.crs)
+    pairs = choose(finished, partners, parameters.pairs, parameters.margin, np.random.default_rng(parameters.seed))
+    reversible = finished.values("reversibility", "score")
+    answers = Answers(
+        [
+            ("QCRS", right_answers(pairs, [pair.quick for pair in pairs], parameters.threshold)),
+            ("CRS", right_answers(pairs, [pair.cross for pair in pairs], parameters.threshold)),
+        ],
+        parameters.threshold,
+        (PEOPLE, RIGHT),
+    )
+    transforms = {pair.file: _transform(finished, pair.file) for pair in pairs if pair.file}
+    page = quiz_page(finished, pairs, transforms, reversible, answers)
+    write_beside(finished, "quiz", QUIZ, page.encode())
+    return _findings(finished, parameters, pairs, reversible, answers)
+
+
+def right_answers(pairs: Sequence[Pair], scores: Sequence[float], threshold: float) -> int:
+    """How many pairs a score is right about that calls those above ``threshold`` reversible."""
+    return sum((score > threshold) == pair.reversible for pair, score in zip(pairs, scores, strict=True))
+
+
+def with_hindsight(pairs: Sequence[Pair], scores: Sequence[float]) -> int:
+    """The greatest number of `right_answers` that any threshold gives."""
+    return max(right_answers(pairs, scores, threshold) for threshold in (-1.0, *scores))
+
+
+def _transform(finished: Finished, file: str) -> Transform:
+    path = finished.mined.folder / file
+    try:
+        return from_json(path.read_text(encoding="utf-8"), str(path))
+    except (OSError, FormatError) as error:
+        raise StartError(f"{path}: gone or damaged; run the pipeline again to restore it ({error})") from error
+
+
+def _findings(
+    finished: Finished, parameters: Parameters, pairs: Sequence[Pair], reversible: FloatArray, answers: Answers
+) -> Findings:
+    count = len(pairs)
+    scores = {"QCRS": [pair.quick for pair in pairs], "CRS": [pair.cross for pair in pairs]}
+    judges = [
+        (f"people, the paper's pairs (mean of {PEOPLE})", f"{RIGHT:.0%}", "–"),
+        *(
+            (name, f"{right} of {count} ({right / count:.0%})", f"{with_hindsight(pairs, scores[name])} of {count}")
+            for name, right in answers.right
+        ),
+    ]
+    told = ", ".join(f"{name} {right}" for name, right in answers.right)
+    return Findings(
+        f"Quiz of {finished.mined.dataset}",
+        f"{QUIZ} beside this page shows {count} pairs to judge. The paper's {PEOPLE} participants had {RIGHT:.0%} of "
+        f"theirs right; of these, above {parameters.threshold:g} = reversible, {told} of {count}. The run had found "
+        "its transforms by the same scores, and low QCRS was sought in the other half: this is no test of the scores, "
+        "but a measure of what people are up against.",
+        _table(finished, pairs, reversible, parameters.threshold),
+        [
+            Sheet("Right answers", ("who", "right", "with the best threshold in hindsight"), judges),
+            Sheet("The halves", ("half", "pairs", "IoU", "QCRS", "CRS", "lower S_r", "higher S_r"),
+                  [_half(pairs, reversible, which) for which in HALVES]),
+        ],
+        {
+            "scores": (_scatter(pairs, scores["QCRS"], scores["CRS"], "QCRS", "CRS", parameters.threshold),
+                       "What the scores give the pairs of either half; lines = the threshold"),
+            "reversibility": (_scatter(pairs, *_reversibilities(pairs, reversible), "lower S_r", "higher S_r"),
+                              "S_r of the two shapes of every pair: it does not give the halves away"),
+        },
+    )  # fmt: skip
+
+
+def _reversibilities(pairs: Sequence[Pair], reversible: FloatArray) -> tuple[list[float], list[float]]:
+    both = np.sort(reversible[[(pair.left, pair.right) for pair in pairs]], axis=1)
+    return both[:, 0].tolist(), both[:, 1].tolist()
+
+
+def _half(pairs: Sequence[Pair], reversible: FloatArray, which: bool) -> tuple[str, ...]:
+    """Range of what is known of one half."""
+    own = [pair for pair in pairs if pair.reversible == which]
+    known = ([pair.worth for pair in own], [pair.quick for pair in own], [pair.cross for pair in own],
+             *_reversibilities(own, reversible))  # fmt: skip
+    return HALVES[which], str(len(own)), *(f"{min(values):.3f} – {max(values):.3f}" for values in known)
+
+
+def _scatter(
+    pairs: Sequence[Pair], x: Sequence[float], y: Sequence[float], x_name: str, y_name: str, line: float | None = None
+) -> Figure:
+    """The pairs of either half by two scores in [0, 1]."""
+    figure, found = plots.axes(x_name, y_name)
+    marks: Mapping[bool, tuple[str, str]] = {True: ("o", PIECES[0]), False: ("X", PIECES[2])}
+    for which, name in HALVES.items():
+        own = [place for place, pair in enumerate(pairs) if pair.reversible == which]
+        mark, colour = marks[which]
+        found.scatter([x[k] for k in own], [y[k] for k in own], 42, color=colour, marker=mark, label=name, alpha=0.85)
+    if line is not None:
+        found.axvline(line, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
+        found.axhline(line, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
+    found.set_xlim(-0.02, 1.02)
+    found.set_ylim(-0.02, 1.02)
+    found.legend(frameon=False, loc="lower left" if line is None else "upper left")
+    return figure
+
+
+def _table(finished: Finished, pairs: Sequence[Pair], reversible: FloatArray, threshold: float) -> pa.Table:
+    names, classes = finished.mined.names, finished.classes
+    left, right = [pair.left for pair in pairs], [pair.right for pair in pairs]
+    unit = "score in [0, 1]"
+    return of_columns(
+        "The pairs of the quiz, as they are numbered there.",
+        [
+            (column("pair", pa.int32(), "number of the pair in the quiz, from 1"), range(1, len(pairs) + 1)),
+            (column("left", pa.int32(), "shape on the left", "shape number"), left),
+            (column("right", pa.int32(), "shape on the right", "shape number"), right),
+            (column("name_left", pa.string(), "name of the shape on the left"), [names[k] for k in left]),
+            (column("name_right", pa.string(), "name of the shape on the right"), [names[k] for k in right]),
+            (column("class_left", pa.string(), "its class, empty = none"), [classes[k] for k in left]),
+            (column("class_right", pa.string(), "its class, empty = none"), [classes[k] for k in right]),
+            (column("reversible", pa.bool_(), "the right answer"), [pair.reversible for pair in pairs]),
+            (column("iou", pa.float64(), "IoU of the worse shape: of the transform if reversible, else the greatest "
+                    "that refined trunks allow", "1"), [pair.worth for pair in pairs]),
+            (column("file", pa.string(), "the transform, relative to the run's folder; empty = none"),
+             [pair.file for pair in pairs]),
+            (column("s_r_left", pa.float64(), "reversibility of the shape on the left", unit), reversible[left]),
+            (column("s_r_right", pa.float64(), "reversibility of the shape on the right", unit), reversible[right]),
+            (column("qcrs", pa.float64(), "QCRS of the pair", unit), [pair.quick for pair in pairs]),
+            (column("crs", pa.float64(), "CRS of the pair", unit), [pair.cross for pair in pairs]),
+            (column("qcrs_says", pa.bool_(), f"whether QCRS is above {threshold:g}, which says reversible"),
+             [pair.quick > threshold for pair in pairs]),
+            (column("crs_says", pa.bool_(), f"whether CRS is above {threshold:g}, which says reversible"),
+             [pair.cross > threshold for pair in pairs]),
+        ],
+    )  # fmt: skip

@@ -1,0 +1,216 @@
+"""The quiz: its halves, its page as a parser sees it, and its refusals. Its shapes are those of exact pairs."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from html.parser import HTMLParser
+from typing import Any, cast
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.config import make_config
+from pipeline.errors import ConfigError, StartError
+from pipeline.match import Mined
+from pipeline.study.findings import write_findings
+from pipeline.study.finished import Finished
+from pipeline.study.quiz import QUIZ, Parameters, right_answers, study, with_hindsight
+from pipeline.study.quiz_pairs import Pair
+from riot.groundtruth import ExactPair, exact_pair, exact_transform
+from riot.reversibility import reversibility
+from riot.riotfile import to_json
+from riot.shape import Shape
+
+EXACT, FOUND = 7, 4
+"""Exact pairs, whose shapes are 2k and 2k + 1, and how many of them, the first, the run has transforms of."""
+
+OURS = Parameters(pairs=4, margin=0.02)
+VOID = {"meta", "link", "input", "img", "br", "path", "use", "rect", "circle"}
+
+
+class Made(Finished):
+    """A finished run whose shapes need no store."""
+
+    @cached_property
+    def exact(self) -> list[ExactPair]:
+        return [exact_pair(3 + k % 2, 40 + k, curved=False, topology="star") for k in range(EXACT)]
+
+    @cached_property
+    def shapes(self) -> list[Shape]:
+        return [Shape.from_polygon(outline) for pair in self.exact for outline in (pair.p, pair.q)]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """The tables that the quiz reads, and what else it asks a run for."""
+    folder, count = tmp_path_factory.mktemp("exact"), 2 * EXACT
+    names = tuple(f"name<{number}>" for number in range(count))
+    classes = tuple(f"class&{number % EXACT}" for number in range(count))
+    config = make_config({"dataset": {"name": "sample", "kind": "sample"}})
+    # The store is asked for shapes alone, which are at hand.
+    store = cast(Any, None)
+    run = Made(Mined(folder, "exact", config, store, names, classes, names, (), np.arange(count)))
+    (folder / "transforms").mkdir()
+    (folder / "qcrs").mkdir()
+    rows: list[dict[str, Any]] = []
+    for k, pair in enumerate(run.exact[:FOUND]):
+        file = f"transforms/{k}.riot"
+        (folder / file).write_text(to_json(exact_transform(pair)), encoding="utf-8")
+        rows.append(
+            {"i": 2 * k, "j": 2 * k + 1, "class_i": classes[2 * k], "class_j": classes[2 * k + 1],
+             "status": "certified", "iou": 0.999 - 0.001 * k, "qcrs": 0.95, "crs": 0.9, "file": file}
+        )  # fmt: skip
+    pq.write_table(pa.Table.from_pylist(rows), folder / "transforms.parquet")
+    pq.write_table(pa.table({"score": [reversibility(shape).score for shape in run.shapes]}),
+                   folder / "reversibility.parquet")  # fmt: skip
+    pq.write_table(pa.table({"trunks": [9] * count}), folder / "shapes.parquet")
+    i, j = (each.astype(np.int32) for each in np.triu_indices(count, 1))
+    quick = np.random.default_rng(5).random(len(i))
+    pq.write_table(pa.table({"i": i, "j": j, "score": quick}), folder / "qcrs" / "part.parquet")
+    return run
+
+
+def files(made: Made, parameters: Parameters) -> dict[str, bytes]:
+    """Every file of the study."""
+    folder = made.mined.folder / "study" / "quiz"
+    write_findings(study(made, parameters, lambda _: None), folder)
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def asked(made: Made) -> dict[str, bytes]:
+    return files(made, OURS)
+
+
+def rows_of(written: dict[str, bytes]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = pq.read_table(pa.BufferReader(written["table.parquet"])).to_pylist()
+    return found
+
+
+class Page(HTMLParser):
+    """Elements in order, each with its attributes, its text, and whether it is among the answers."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__()
+        self.found: list[dict[str, str]] = []
+        self._open: list[dict[str, str]] = []
+        self.feed(content.decode())
+        self.close()
+        assert not self._open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        within = any(one.get("id") == "answers" for one in self._open)
+        one = {
+            "tag": tag,
+            "text": "",
+            "answers": "yes" if within else "",
+            **{name: value or "" for name, value in attrs},
+        }
+        self.found.append(one)
+        if tag not in VOID:
+            self._open.append(one)
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in VOID:
+            assert self._open.pop()["tag"] == tag
+
+    def handle_data(self, data: str) -> None:
+        for one in self._open:
+            one["text"] += data
+
+    def of(self, tag: str, **attributes: str) -> list[dict[str, str]]:
+        return [one for one in self.found if one["tag"] == tag and all(one.get(k) == v for k, v in attributes.items())]
+
+
+def test_one_half_are_transforms_and_the_other_falls_short_of_them_all(made: Made, asked: dict[str, bytes]) -> None:
+    rows = rows_of(asked)
+    yes, no = ([row for row in rows if row["reversible"] == which] for which in (True, False))
+    assert len(yes) == len(no) == OURS.pairs // 2
+    shapes = [row[side] for row in rows for side in ("left", "right")]
+    assert len(set(shapes)) == len(shapes)
+    assert all({row["left"] // 2, row["right"] // 2} == {row["left"] // 2} and row["left"] < 2 * FOUND for row in yes)
+    assert all(row["file"] for row in yes) and not any(row["file"] for row in no)
+    assert max(row["iou"] for row in no) <= min(row["iou"] for row in yes) - OURS.margin
+    for row in no:
+        pair = np.array([sorted((row["left"], row["right"]))])
+        assert row["qcrs"] == made.quick_scores(pair)[0]
+        assert row["class_left"] != row["class_right"]
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_other_pairs(made: Made, asked: dict[str, bytes]) -> None:
+    assert files(made, OURS) == asked
+    other = rows_of(files(made, Parameters(pairs=4, margin=0.02, seed=7)))
+    assert [(row["left"], row["right"]) for row in other] != [(row["left"], row["right"]) for row in rows_of(asked)]
+
+
+def test_the_page_asks_for_every_pair_of_the_table_and_answers_it(asked: dict[str, bytes]) -> None:
+    page, rows = Page(asked[QUIZ]), rows_of(asked)
+    sets = page.of("fieldset")
+    assert [one["data-right"] for one in sets] == ["yes" if row["reversible"] else "no" for row in rows]
+    assert [one["text"] for one in page.of("legend")] == [f"Pair {row['pair']}" for row in rows]
+    for row in rows:
+        assert [one["value"] for one in page.of("input", type="radio", name=f"pair{row['pair']}")] == ["yes", "no"]
+    answers = [one["text"] for one in page.of("tr", answers="yes")][1:]
+    for row, answer in zip(rows, answers, strict=True):
+        assert answer.startswith(f"{row['pair']}{row['name_left']}, {row['name_right']}")
+        assert ("reversible" in answer) == row["reversible"]
+    made = [one["alt"] for one in page.of("img", answers="yes")]
+    assert len(made) == OURS.pairs // 2
+    for alt, row in zip(made, (row for row in rows if row["reversible"]), strict=True):
+        assert row["name_left"] in alt and row["name_right"] in alt
+
+
+def test_every_picture_has_words_and_none_of_a_question_names_its_shape(asked: dict[str, bytes]) -> None:
+    page = Page(asked[QUIZ])
+    pictures = page.of("svg", role="img")
+    assert len(pictures) == 2 * OURS.pairs == len(page.of("title")) - 1
+    words = [one["text"] for one in pictures]
+    assert len(set(words)) == len(words) and all("class&" in said for said in words)
+    before = "".join(one["text"] for one in page.found if one["tag"] in ("form", "header"))
+    assert "Pair 1" in before and "class&" in before
+    assert not any(row[side] in before for row in rows_of(asked) for side in ("name_left", "name_right"))
+    assert all(one["alt"] for one in page.of("img"))
+
+
+def test_the_page_needs_no_other_file_and_hides_what_only_its_script_can_do(asked: dict[str, bytes]) -> None:
+    page = Page(asked[QUIZ])
+    for one in page.found:
+        for name in ("src", "href"):
+            assert one.get(name, "#").startswith(("#", "data:"))
+    assert [one["href"] for one in page.of("a")] == ["#answers"]
+    bar = page.of("div", **{"class": "score"})
+    assert len(bar) == 1 and "hidden" in bar[0] and all("hidden" in one for one in page.of("p", **{"class": "verdict"}))
+    ids = [one["id"] for one in page.found if "id" in one]
+    assert len(set(ids)) == len(ids)
+
+
+@given(st.lists(st.tuples(st.booleans(), st.floats(0.0, 1.0)), min_size=1, max_size=16), st.floats(-0.5, 1.5))
+def test_no_threshold_is_better_than_hindsight(answers: list[tuple[bool, float]], threshold: float) -> None:
+    pairs = [Pair(0, 1, which, 0.0, 0.0, 0.0) for which, _ in answers]
+    scores = [score for _, score in answers]
+    best = with_hindsight(pairs, scores)
+    assert right_answers(pairs, scores, threshold) <= best
+    most = max(sum(which for which, _ in answers), sum(not which for which, _ in answers))
+    assert most <= best <= len(pairs)
+    # A score that is above the threshold exactly where the pair is reversible is always right.
+    assert right_answers(pairs, [threshold + (0.1 if pair.reversible else -0.1) for pair in pairs], threshold) == len(
+        pairs
+    )
+
+
+def test_refusals_say_what_to_do(made: Made) -> None:
+    for values, words in (({"pairs": 3}, "even"), ({"margin": 2.0}, "margin"), ({"seed": -1}, "seed")):
+        with pytest.raises(ConfigError, match=words):
+            Parameters(**values)
+    with pytest.raises(StartError, match=f"give pairs={2 * FOUND}"):
+        study(made, Parameters(pairs=16), lambda _: None)
+    with pytest.raises(StartError, match="a smaller margin"):
+        study(made, Parameters(pairs=4, margin=1.0), lambda _: None)
+    (gone := made.mined.folder / "transforms").rename(made.mined.folder / "elsewhere")
+    with pytest.raises(StartError, match="run the pipeline again"):
+        study(made, OURS, lambda _: None)
+    (made.mined.folder / "elsewhere").rename(gone)
