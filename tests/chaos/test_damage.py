@@ -77,8 +77,8 @@ def copied(undisturbed: Undisturbed, where: Path) -> Store:
 
 
 def test_every_damage_is_found(undisturbed: Undisturbed, tmp_path: Path) -> None:
-    planted, harmless = attack(copied(undisturbed, tmp_path), 7)
-    assert planted > 500 and harmless < planted / 20
+    planted, harmless = attack(copied(undisturbed, tmp_path), 4)
+    assert planted > 400 and harmless < planted / 20
 
 
 @pytest.mark.chaos
@@ -105,7 +105,13 @@ def test_everything_damaged_is_made_again_and_nothing_else(
 
 
 @pytest.mark.parametrize(
-    "death", [functools.partial(full_disk, size) for size in (0, 3000, 12000)], ids=["0", "3000", "12000"]
+    "death",
+    [
+        functools.partial(full_disk, 3000),
+        pytest.param(functools.partial(full_disk, 0), marks=pytest.mark.chaos),
+        pytest.param(functools.partial(full_disk, 12000), marks=pytest.mark.chaos),
+    ],
+    ids=["3000", "0", "12000"],
 )
 def test_a_full_disk_costs_nothing_but_time(
     death: Callable[[], None], nursery: Nursery, undisturbed: Undisturbed, tmp_path: Path
@@ -121,7 +127,8 @@ def test_a_full_disk_costs_nothing_but_time(
     assert digests(tmp_path) == undisturbed.tables
 
 
-@pytest.mark.parametrize("megabytes", [2, 40])
+@pytest.mark.chaos
+@pytest.mark.parametrize("megabytes", [2, 40, 160])
 def test_little_memory_leaves_nothing_wrong(
     megabytes: int, nursery: Nursery, undisturbed: Undisturbed, tmp_path: Path
 ) -> None:
@@ -132,7 +139,7 @@ def test_little_memory_leaves_nothing_wrong(
     assert committed(Store(config.store)) >= undisturbed.artifacts
 
 
-@pytest.mark.parametrize("shift", [-YEARS, YEARS])
+@pytest.mark.parametrize("shift", [-YEARS, pytest.param(YEARS, marks=pytest.mark.chaos)])
 def test_the_clock_does_not_matter(shift: float, nursery: Nursery, undisturbed: Undisturbed, tmp_path: Path) -> None:
     store = copied(undisturbed, tmp_path)
     folder = store.folder(*min(undisturbed.artifacts))

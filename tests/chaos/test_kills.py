@@ -32,7 +32,7 @@ from pipeline.keys import KeyParts
 from pipeline.store import State, Store
 
 KILLED = {-signal.SIGKILL, -signal.SIGPROF, -signal.SIGXFSZ}
-SHORT, LONG = 12, 250
+SHORT, LONG = 8, 250
 
 
 def test_a_commit_is_all_or_nothing_at_every_step(nursery: Nursery, tmp_path: Path) -> None:
@@ -59,11 +59,11 @@ def random_deaths(seed: int) -> Iterator[Death]:
     """One after another, of every kind; a run dies some ten times before it ends."""
     rng = random.Random(seed)
     while True:
-        yield functools.partial(after_seconds, rng.uniform(0.02, 1.2))
-        yield functools.partial(at_event, rng.randrange(1, 6000))
-        yield functools.partial(at_event, rng.randrange(1, 150), ("os.", "fcntl."))
-        yield functools.partial(at_sync, rng.randrange(1, 40), before=rng.random() < 0.5)
-        yield functools.partial(while_writing, rng.choice([2000, 5000, 10000, 20000, 40000]))
+        yield functools.partial(after_seconds, rng.uniform(0.02, 0.8))
+        yield functools.partial(at_event, rng.randrange(1, 2500))
+        yield functools.partial(at_event, rng.randrange(1, 80), ("os.", "fcntl."))
+        yield functools.partial(at_sync, rng.randrange(1, 25), before=rng.random() < 0.5)
+        yield functools.partial(while_writing, rng.choice([0, 2000, 4000, 5000, 6000, 8000]))
 
 
 def survive(

@@ -56,12 +56,13 @@ def bucket(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Url]:
 
 
 class TestS3(PlaceKit):
-    examples = 4
+    examples = 2
 
     @pytest.fixture
     def files(self, bucket: Url, tmp_path: Path) -> Files:
         return open_files(bucket.joinpath(tmp_path.name))
 
+    @pytest.mark.chaos
     def test_more_objects_than_a_page_holds(self, files: Files) -> None:
         """A page of a listing holds 1,000."""
         files.write("many", {f"{number:04}": b"" for number in range(1005)})
