@@ -41,7 +41,9 @@ class TestMemory(PlaceKit):
 def bucket(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Url]:
     """A bucket on a server that speaks S3, and the configuration that a user would have for it."""
     boto3 = pytest.importorskip("boto3", reason="the extra s3")
-    server = pytest.importorskip("moto.server", reason="the extra s3-test").ThreadedMotoServer(port=0, verbose=False)
+    server = pytest.importorskip("moto.server", reason="the extra s3-test").ThreadedMotoServer(
+        ip_address="127.0.0.1", port=0, verbose=False
+    )
     server.start()
     host, port = server.get_host_and_port()
     address = f"http://{host}:{port}"
