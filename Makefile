@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test setup check bench repro clean
+.PHONY: run test setup check bench docs repro clean
 .DEFAULT_GOAL := run
 
 run: setup
@@ -35,6 +35,11 @@ repro: setup
 
 bench: setup
 	$(BIN)/python benchmarks/run.py
+
+# The user guide: build/site/index.html.
+docs: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	$(BIN)/python -m mkdocs build --quiet
 
 clean:
 	rm -rf $(VENV) build *.egg-info

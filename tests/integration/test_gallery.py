@@ -5,11 +5,11 @@ import re
 import shutil
 import xml.etree.ElementTree as ET
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import fake_run
 import numpy as np
 import pytest
+from html_page import Page
 
 from pipeline.report import write_report
 from pipeline.report.gallery import GALLERY, INDEX, ORDERS, SCRIPT, STYLE, index, page_name, thumb_name
@@ -22,29 +22,6 @@ from riot.history import History, Step
 
 MANY = 1000
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-VOID = {"meta", "link", "img", "input"}
-
-
-class Page(HTMLParser):
-    def __init__(self, text):
-        super().__init__()
-        self.stack, self.elements, self.text = [], [], []
-        self.feed(text)
-        self.close()
-
-    def handle_starttag(self, tag, attrs):
-        self.elements.append((tag, dict(attrs)))
-        if tag not in VOID:
-            self.stack.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.stack and self.stack.pop() == tag, f"</{tag}> closes nothing"
-
-    def handle_data(self, data):
-        self.text.append(data)
-
-    def all(self, tag):
-        return [attrs for name, attrs in self.elements if name == tag]
 
 
 @pytest.fixture(scope="module")
@@ -113,9 +90,9 @@ def test_every_link_and_picture_is_there(run):
     for page in [*pages, run / "report.html"]:
         parsed = Page(page.read_text(encoding="utf-8"))
         assert not parsed.stack
-        ids = [attrs["id"] for _, attrs in parsed.elements if "id" in attrs]
+        ids = [attrs["id"] for _, attrs, _ in parsed.elements if "id" in attrs]
         assert len(ids) == len(set(ids))
-        for tag, attrs in parsed.elements:
+        for tag, attrs, _ in parsed.elements:
             assert not any(name.startswith("on") for name in attrs)
             for name in {"href", "src"} & set(attrs):
                 address = attrs[name]

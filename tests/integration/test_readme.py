@@ -6,20 +6,14 @@ import re
 from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def blocks(language: str) -> list[str]:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
+from fenced import ROOT, blocks
 
 
 def test_library_example_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    example = blocks("python")[0]
+    example = blocks(ROOT / "README.md", "python")[0].text
     assert len([line for line in example.splitlines() if line.strip()]) <= 12
     names: dict[str, object] = {}
     exec(compile(example, "README.md", "exec"), names)

@@ -4,11 +4,11 @@ import json
 import re
 import shutil
 import xml.etree.ElementTree as ET
-from html.parser import HTMLParser
 
 import fake_run
 import numpy as np
 import pytest
+from html_page import Page
 
 from pipeline import tables
 from pipeline.artifact import Artifact, encode
@@ -23,35 +23,6 @@ from riot.draw.palette import hue
 from riot.parameters import ConstructParameters
 from riot.texture.paint import pattern_texture
 from riot.texture.skins import make_skins
-
-VOID = {"meta", "link", "br", "hr", "img", "input"}
-
-
-class Page(HTMLParser):
-    """Elements with their attributes, and whether every tag is closed in order; SVG elements must be, too."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.stack, self.elements, self.text = [], [], []
-        self.feed(text)
-        self.close()
-
-    def handle_starttag(self, tag, attrs):
-        self.elements.append((tag, dict(attrs), tuple(self.stack)))
-        if tag not in VOID:
-            self.stack.append(tag)
-
-    def handle_startendtag(self, tag, attrs):
-        self.elements.append((tag, dict(attrs), tuple(self.stack)))
-
-    def handle_endtag(self, tag):
-        assert self.stack and self.stack.pop() == tag, f"</{tag}> closes nothing"
-
-    def handle_data(self, data):
-        self.text.append(data)
-
-    def all(self, tag, **wanted):
-        return [attrs for name, attrs, _ in self.elements if name == tag and wanted.items() <= attrs.items()]
 
 
 @pytest.fixture(scope="module")
