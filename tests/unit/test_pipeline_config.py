@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.closure import ROOT
 from pipeline.command import (
     allowed_names,
     check_command,
@@ -156,3 +157,11 @@ def test_plain_values_are_enough() -> None:
         make_config({})
     with pytest.raises(ConfigError, match="group"):
         make_config({"dataset": SAMPLE, "select": 3})
+
+
+def test_commands_of_the_page_on_clusters_are_known() -> None:
+    page = (ROOT / "docs" / "wide.md").read_text(encoding="utf-8")
+    lines = [line for line in page.splitlines() if line.startswith("python -m pipeline.run ")]
+    assert len(lines) == 3
+    for line in lines:
+        check(*line.split()[3:])  # raises for names and values that there are not
