@@ -33,7 +33,7 @@ import trimesh
 from rich.console import Console
 from rich.table import Table
 
-from riot.fabricate import FabricationError, FabricationParameters, Fixed, build, fix
+from riot.fabricate import Built, FabricationError, FabricationParameters, build, fix
 from riot.fabricate.files import write_puzzle
 from riot.fabricate.flat import parts_of, write_flat_files
 from riot.groundtruth import dudeney, exact_pair, exact_transform
@@ -126,7 +126,7 @@ def measured(name: str, transform: Transform, parameters: FabricationParameters,
     )
 
 
-def file_error(made: Fixed) -> float:
+def file_error(made: Built) -> float:
     """The greatest relative difference of a volume or area read back; infinite if a solid is not closed."""
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "puzzle"

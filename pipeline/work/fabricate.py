@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.artifact import AnyArray, Artifact
 from pipeline.work.items import ErrorRow, attempt
-from riot.fabricate.certificate import Fixed, build, fix
+from riot.fabricate.certificate import Built, build, fix
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.files import write_puzzle
 from riot.fabricate.paperwork import write_paperwork
@@ -54,7 +54,7 @@ def _made(planned: Artifact, sizes: FabricationParameters, mend: bool, paper: bo
     return Artifact(files, {"status": "certified", "reason": "", "message": "", **_measured(puzzle)})
 
 
-def _files(puzzle: Fixed, paper: bool) -> dict[str, AnyArray]:
+def _files(puzzle: Built, paper: bool) -> dict[str, AnyArray]:
     def paperwork(where: Path) -> None:
         write_paperwork(puzzle.design, where, dxf=False)
 
@@ -68,7 +68,7 @@ def _asked(sizes: FabricationParameters) -> dict[str, Any]:
     return {"size": sizes.size_mm, "thickness": sizes.height, "pin": sizes.pin_mm}
 
 
-def _measured(puzzle: Fixed) -> dict[str, Any]:
+def _measured(puzzle: Built) -> dict[str, Any]:
     made, certificate = puzzle.design, puzzle.certificate
     pieces = [check for check in certificate.parts if not math.isnan(check.wall)]
     motion = certificate.motion

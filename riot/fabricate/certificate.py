@@ -106,8 +106,8 @@ def certify(design: Design, parts: tuple[Part, ...] | None = None) -> Fabricatio
 
 
 @dataclass(frozen=True, eq=False)
-class Fixed:
-    """A design with its solids and their certificate, and what was changed of the parameters asked for, in words."""
+class Built:
+    """A design with its solids and their certificate, and what `fix` changed of the parameters asked for, in words."""
 
     design: Design
     parts: tuple[Part, ...]
@@ -115,18 +115,20 @@ class Fixed:
     changes: tuple[str, ...] = ()
 
 
-def build(transform: Transform, parameters: FabricationParameters | None = None) -> Fixed:
+def build(transform: Transform, parameters: FabricationParameters | None = None) -> Built:
     """Design, build and verify with just these parameters; the certificate of what comes back may fail.
 
     Raises `riot.fabricate.errors.FabricationError` for what cannot exist.
     """
     made = design(transform, parameters)
     parts = make_parts(made)
-    return Fixed(made, parts, certify(made, parts))
+    return Built(made, parts, certify(made, parts))
 
 
-def fix(transform: Transform, parameters: FabricationParameters | None = None) -> Fixed:
+def fix(transform: Transform, parameters: FabricationParameters | None = None, *, enlarge: bool = True) -> Built:
     """Design, build and verify; thin the pin, enlarge the size or thicken knuckles, as allowed, until it passes.
+
+    Without ``enlarge`` the size stays as it is.
 
     Raises the `riot.fabricate.errors.FabricationError` of the last try if nothing helps; its message says what was
     tried.
@@ -142,13 +144,13 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None) -
             error = FabricationError("uncertified", "; ".join(made.certificate.failures), mend)
         except FabricationError as caught:
             error = caught
-        following = _next(tried, error) if error.parameter in MENDED else None
+        following = _next(tried, error, enlarge) if error.parameter in MENDED else None
         if following is None:
             raise _hopeless(error, _changes(asked, tried)) from error
         tried = following
 
 
-def _next(tried: FabricationParameters, error: FabricationError) -> FabricationParameters | None:
+def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) -> FabricationParameters | None:
     """What to try next; None if all is tried.
 
     Where a knuckle hangs on little its wall is thickened: no size widens a narrow corner. Else the pin comes first,
@@ -160,7 +162,7 @@ def _next(tried: FabricationParameters, error: FabricationError) -> FabricationP
     if tried.pin_mm > THIN_PIN:
         return replace(tried, pin_mm=THIN_PIN)
     greatest = ALLOWED["size_mm"][1]
-    if tried.size_mm >= greatest:
+    if not enlarge or tried.size_mm >= greatest:
         return None
     wished = error.value if error.parameter == "size_mm" and error.value > tried.size_mm else LARGER * tried.size_mm
     return replace(tried, size_mm=float(min(greatest, math.ceil(wished))))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,9 +11,11 @@ from rich.console import Console
 
 from riot.fabricate.certificate import build, fix
 from riot.fabricate.errors import FabricationError
-from riot.fabricate.files import check_folder, write_puzzle
+from riot.fabricate.files import write_puzzle
+from riot.fabricate.folder import check_folder
 from riot.fabricate.model import Design
-from riot.fabricate.parameters import ALLOWED, FabricationParameters
+from riot.fabricate.options import add_sizes, chosen_sizes
+from riot.fabricate.parameters import FabricationParameters
 from riot.texture.names import PATTERNS, SIDES
 from riot.transform import Transform
 
@@ -32,15 +33,7 @@ def add_print(commands: Commands) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="a folder that is not there yet"
     )
-    for field in fields(FabricationParameters):
-        least, greatest = ALLOWED[field.name]
-        parser.add_argument(
-            f"--{field.name.removesuffix('_mm').replace('_', '-')}",
-            dest=field.name,
-            type=float,
-            metavar="MM",
-            help=f"{least:g} to {greatest:g}, default {field.default:g}",
-        )
+    add_sizes(parser)
     parser.add_argument("--fix", action="store_true", help="change pin, size or wall if it cannot be made as is")
     parser.add_argument(
         "--paper",
@@ -93,8 +86,7 @@ def print_puzzle(
 
 
 def _print(chosen: argparse.Namespace) -> int:
-    given = {field.name: getattr(chosen, field.name) for field in fields(FabricationParameters)}
-    parameters = FabricationParameters(**{name: value for name, value in given.items() if value is not None})
+    parameters = chosen_sizes(chosen)
     check_folder(chosen.output)
     # Here, not above: what paints takes a second to import, and every command of riot would wait for it.
     from riot.fabricate.paperwork import write_paperwork

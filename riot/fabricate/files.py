@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import json
 import math
-import shutil
 import struct
-import tempfile
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -20,6 +17,7 @@ import numpy as np
 
 from riot.fabricate.certificate import FabricationCertificate
 from riot.fabricate.errors import FabricationError
+from riot.fabricate.folder import new_folder
 from riot.fabricate.model import Design
 from riot.fabricate.plates import Item, Plate, lay_out
 from riot.fabricate.solid import Part
@@ -63,12 +61,8 @@ def write_puzzle(
     """
     if not certificate.passed:
         raise FabricationError("uncertified", "; ".join(certificate.failures))
-    check_folder(folder)
     plates = lay_out(parts, design.parameters)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    try:
-        temporary.chmod(0o755)
+    with new_folder(folder) as temporary:
         for part in parts:
             (temporary / f"{part.name}.stl").write_bytes(stl_bytes(part))
         for k, plate in enumerate(plates):
@@ -77,19 +71,7 @@ def write_puzzle(
         (temporary / "parts.json").write_text(f"{document}\n", encoding="utf-8", newline="\n")
         for write in more:
             write(temporary)
-        if folder.exists():
-            folder.rmdir()
-        temporary.rename(folder)
-    except BaseException:
-        shutil.rmtree(temporary, ignore_errors=True)
-        raise
     return sorted(path for path in folder.rglob("*") if path.is_file())
-
-
-def check_folder(folder: Path) -> None:
-    """Raise FileExistsError unless the folder can be made, or is there and empty."""
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise FileExistsError(errno.EEXIST, "is there already, and is not an empty folder", str(folder))
 
 
 def stl_bytes(part: Part) -> bytes:

@@ -1,6 +1,6 @@
 """What ``riot.fabricate`` offers."""
 
-from riot.fabricate.certificate import FabricationCertificate, Fixed, build, certify, fix
+from riot.fabricate.certificate import Built, FabricationCertificate, build, certify, fix
 from riot.fabricate.design import design
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.files import write_puzzle
@@ -9,11 +9,11 @@ from riot.fabricate.parameters import FabricationParameters
 from riot.fabricate.solid import Part, make_parts
 
 __all__ = [
+    "Built",
     "Design",
     "FabricationCertificate",
     "FabricationError",
     "FabricationParameters",
-    "Fixed",
     "Part",
     "PieceDesign",
     "build",

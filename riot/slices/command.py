@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,8 +16,8 @@ from rich.console import Console
 from rich.table import Table
 
 from riot.errors import TrunkError
-from riot.fabricate.files import check_folder
-from riot.fabricate.parameters import ALLOWED, FabricationParameters
+from riot.fabricate.folder import check_folder
+from riot.fabricate.options import add_sizes, chosen_sizes
 from riot.kernels.warm import warm_all
 from riot.parameters import ShapeParameters
 from riot.shape import Shape
@@ -69,17 +68,7 @@ def add_slices(commands: Commands) -> None:
     )
     parser.add_argument("--fix", action="store_true", help="change pin or wall where a slice cannot be made as is")
     parser.add_argument("--paper", action="store_true", help="an assembly page and pictures of every slice too")
-    for field in fields(FabricationParameters):
-        if field.name in _DECIDED:
-            continue
-        least, greatest = ALLOWED[field.name]
-        parser.add_argument(
-            f"--{field.name.removesuffix('_mm').replace('_', '-')}",
-            dest=field.name,
-            type=float,
-            metavar="MM",
-            help=f"{least:g} to {greatest:g}, default {field.default:g}",
-        )
+    add_sizes(parser, without=_DECIDED)
     parser.set_defaults(run=_slices)
 
 
@@ -122,8 +111,7 @@ def slice_model(chosen: argparse.Namespace, search: Search, sampling: ShapeParam
     ``sampling``: how outlines of slices become shapes. Raises what the command tells; then nothing is written.
     """
     check_folder(chosen.output)
-    own = {field.name: getattr(chosen, field.name, None) for field in fields(FabricationParameters)}
-    parameters = FabricationParameters(**{name: value for name, value in own.items() if value is not None})
+    parameters = chosen_sizes(chosen)
     if chosen.candidates < 1:
         raise TrunkError(f"--candidates {chosen.candidates}: try one at least")
     # Here, not above: what cuts and draws takes a second to import, and every command of riot would wait for it.
@@ -156,7 +144,7 @@ def _paperwork(puzzle: Puzzle) -> list[Callable[[Path], None]]:
     from riot.fabricate.paperwork import write_paperwork
 
     def write(folder: Path) -> None:
-        write_paperwork(puzzle.fixed.design, folder, dxf=False)
+        write_paperwork(puzzle.built.design, folder, dxf=False)
 
     return [write]
 
@@ -179,7 +167,7 @@ def _print_table(stack: Stack, outcomes: Sequence[Outcome]) -> None:
             row += ["–", "", "", "", f"not made: {each.reason}"]
         else:
             ious = [f"{iou:.3f}" for iou in puzzle.transform.overlap_ratios]
-            row += [puzzle.counterpart, str(len(puzzle.transform)), *ious, "; ".join(puzzle.fixed.changes)]
+            row += [puzzle.counterpart, str(len(puzzle.transform)), *ious, "; ".join(puzzle.built.changes)]
         table.add_row(*row)
     console.print(table, markup=False)
 

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from riot.fabricate.files import check_folder, write_puzzle
+from riot.fabricate.files import write_puzzle
 from riot.fabricate.flat import write_flat_files
+from riot.fabricate.folder import new_folder
 from riot.slices.cut import Stack
 from riot.slices.errors import ModelError
 from riot.slices.make import Outcome, Puzzle
@@ -54,26 +52,6 @@ def write_set(
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
 
-@contextmanager
-def new_folder(folder: Path) -> Iterator[Path]:
-    """A temporary folder beside ``folder`` that takes its name when all is done, or is deleted with what is in it.
-
-    Raises as `riot.fabricate.files.check_folder`.
-    """
-    check_folder(folder)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    try:
-        temporary.chmod(0o755)
-        yield temporary
-        if folder.exists():
-            folder.rmdir()
-        temporary.rename(folder)
-    except BaseException:
-        shutil.rmtree(temporary, ignore_errors=True)
-        raise
-
-
 def folder_name(outcome: Outcome) -> str:
     """Of a slice that is made: ``slice-3-heart``; what no file name should hold is replaced."""
     assert outcome.puzzle is not None
@@ -84,7 +62,7 @@ def folder_name(outcome: Outcome) -> str:
 def _write_puzzle(
     puzzle: Puzzle, folder: Path, more: Callable[[Puzzle], Sequence[Callable[[Path], None]]] | None
 ) -> None:
-    made = puzzle.fixed
+    made = puzzle.built
 
     def transform(where: Path) -> None:
         puzzle.transform.save(where / "puzzle.riot")
@@ -124,7 +102,7 @@ def _entry(each: Outcome) -> dict[str, Any]:
     }
     if puzzle is None:
         return {**entry, "reason": each.reason}
-    design, transform = puzzle.fixed.design, puzzle.transform
+    design, transform = puzzle.built.design, puzzle.transform
     iou_p, iou_q = transform.overlap_ratios
     return {
         **entry,
@@ -141,6 +119,6 @@ def _entry(each: Outcome) -> dict[str, Any]:
         "sleeves": design.sleeves,
         "certified": puzzle.certificate.passed,
         "narrowest_mm": round(puzzle.certificate.wall, 3),
-        "changed": list(puzzle.fixed.changes),
+        "changed": list(puzzle.built.changes),
         "warnings": list(design.warnings),
     }

@@ -14,7 +14,7 @@ import numpy as np
 
 from riot.construct.choose import construct_plans
 from riot.errors import RiotError, SilhouetteError
-from riot.fabricate.certificate import FabricationCertificate, Fixed, build, fix
+from riot.fabricate.certificate import Built, FabricationCertificate, build, fix
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.parameters import ALLOWED, FabricationParameters
 from riot.fabricate.plates import lay_out
@@ -44,12 +44,12 @@ class Puzzle:
     counterpart: str
     qcrs: float
     transform: Transform
-    fixed: Fixed
+    built: Built
 
     @property
     def certificate(self) -> FabricationCertificate:
         """Of the solids."""
-        return self.fixed.certificate
+        return self.built.certificate
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,9 +181,9 @@ def make_puzzle(each: Slice, planned: Planned, parameters: FabricationParameters
             "size_mm",
             least if size < least else greatest,
         )
-    fixed = _fixed(transform, replace(parameters, size_mm=size), mend)
-    lay_out(fixed.parts, fixed.design.parameters)  # it raises if a part is larger than the bed
-    return Puzzle(planned.candidate.shape.name, planned.candidate.qcrs, transform, fixed)
+    built = _built(transform, replace(parameters, size_mm=size), mend)
+    lay_out(built.parts, built.design.parameters)  # it raises if a part is larger than the bed
+    return Puzzle(planned.candidate.shape.name, planned.candidate.qcrs, transform, built)
 
 
 def mm_per_unit(shape: Shape) -> float:
@@ -191,20 +191,21 @@ def mm_per_unit(shape: Shape) -> float:
     return math.sqrt(abs(float(np.linalg.det(shape.to_source[:, :2]))))
 
 
-def _fixed(transform: Transform, parameters: FabricationParameters, mend: bool) -> Fixed:
-    if mend:
-        made = fix(transform, parameters)
-        larger = made.design.parameters.size_mm / parameters.size_mm
-        if larger > 1.0:
-            raise FabricationError(
-                "too-small",
-                f"it is {parameters.size_mm:.0f} mm long, and could be made at {larger * parameters.size_mm:.0f} mm: "
-                f"make the object {larger:.2f} times as large, or cut it into fewer, thicker slices",
-                "size_mm",
-                larger * parameters.size_mm,
-            )
-        return made
-    made = build(transform, parameters)
+def _built(transform: Transform, parameters: FabricationParameters, mend: bool) -> Built:
+    size = parameters.size_mm
+    try:
+        made = fix(transform, parameters, enlarge=False) if mend else build(transform, parameters)
+    except FabricationError as error:
+        if error.parameter != "size_mm" or error.value > ALLOWED["size_mm"][1]:
+            raise
+        times = f"{error.value / size:.2f} times as large" if error.value > size else "larger"
+        raise FabricationError(
+            "too-small",
+            f"it is only {size:.0f} mm long: {error}; slices keep their size: make the object {times}, or cut it into "
+            "fewer, thicker slices",
+            "size_mm",
+            error.value,
+        ) from error
     if not made.certificate.passed:
         raise FabricationError("uncertified", "; ".join(made.certificate.failures))
     return made

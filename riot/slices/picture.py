@@ -117,7 +117,7 @@ def _dissection(drawn: Transform, t: float) -> list[Mark]:
 
 def _pieces(puzzle: Puzzle, t: float, lift: float) -> list[Body]:
     """The solids of a puzzle closed as the slice (t = 0), in its place, or as the counterpart (1), about the z-axis."""
-    made = puzzle.fixed
+    made = puzzle.built
     transform, design = puzzle.transform, made.design
     pose = transform.pose(t)
     shift = transform.p.to_source[:, 2] if t == 0.0 else np.zeros(2)

@@ -79,10 +79,10 @@ def test_every_slice_is_certified_at_its_own_size(done: Done) -> None:
     for each, puzzle in puzzles(done):
         assert puzzle.transform.certificate().passed
         assert puzzle.certificate.passed
-        assert puzzle.fixed.design.parameters.height == stack.thickness
+        assert puzzle.built.design.parameters.height == stack.thickness
         # A unit of the shape is the slice's: area 1 is its area in mm².
-        assert puzzle.fixed.design.scale**2 == pytest.approx(each.slice.area, rel=2e-2)
-        assert puzzle.fixed.design.scale == pytest.approx(abs(puzzle.transform.p.to_source[0, 0]), rel=1e-12)
+        assert puzzle.built.design.scale**2 == pytest.approx(each.slice.area, rel=2e-2)
+        assert puzzle.built.design.scale == pytest.approx(abs(puzzle.transform.p.to_source[0, 0]), rel=1e-12)
 
 
 def test_solids_read_back_and_stack_in_place(done: Done) -> None:
@@ -185,7 +185,17 @@ def test_a_slice_is_mended_when_told_to() -> None:
     asked, mended = made(False), made(True)
     assert asked.puzzle is None and asked.attempts[0].counterpart == "polygon-square"
     assert mended.puzzle is not None
-    assert mended.puzzle.fixed.changes == ("pin_mm: 1.75 instead of 8",)
+    assert mended.puzzle.built.changes == ("pin_mm: 1.75 instead of 8",)
+
+
+def test_a_slice_too_small_for_its_hinges_keeps_its_size_and_says_what_is_enough() -> None:
+    stack = cut(Model("egg", low_egg()), Cut(1, 16.0, along="z"))
+    coarse = FabricationParameters(pin_mm=1.75, wall_mm=10.0)
+    (outcome,) = make_puzzles(stack, lambda slices: shortlists(slices, counterparts()[1:2], 1), coarse, mend=True)
+    assert outcome.puzzle is None
+    said = outcome.attempts[0].reason
+    assert said.startswith("it is only ") and "slices keep their size: make the object" in said
+    assert "instead of" not in said  # nothing was tried that a slice could not have
 
 
 class TestCommand:

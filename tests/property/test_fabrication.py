@@ -273,6 +273,20 @@ def test_fixing_says_what_it_changed_and_stays_within_the_ranges() -> None:
     assert untouched.design.parameters == FabricationParameters()
 
 
+def test_fixing_keeps_the_size_where_it_must(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[FabricationParameters] = []
+
+    def never(transform: Transform, parameters: FabricationParameters) -> Design:
+        tried.append(parameters)
+        raise FabricationError("hinges-meet", "too small", "size_mm", 80.0)
+
+    monkeypatch.setattr(certificate_module, "design", never)
+    with pytest.raises(FabricationError, match=r"too small \(tried with pin_mm: 1.75 instead of 3\)") as caught:
+        fix(transform_of(3, 1), FabricationParameters(size_mm=50.0), enlarge=False)
+    assert (caught.value.parameter, caught.value.value) == ("size_mm", 80.0)
+    assert [(each.size_mm, each.pin_mm) for each in tried] == [(50.0, 3.0), (50.0, 1.75)]
+
+
 def test_what_no_change_mends_is_told_as_it_is() -> None:
     with pytest.raises(FabricationError, match=r"make it 8.2 mm$") as caught:
         fix(lifting(transform_of(6, 2)), FabricationParameters(size_mm=60.0, thickness_mm=6.0, pin_mm=8.0))
