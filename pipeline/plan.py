@@ -233,20 +233,16 @@ def plan_motions(plan: Plan, certified: Sequence[WorkItem]) -> list[WorkItem]:
 
 def plan_paint(plan: Plan, planned: Sequence[WorkItem]) -> list[WorkItem]:
     """Skins of the transforms with a motion whose inputs may have colours, in order; only of a folder of pictures."""
-    of, work = plan.recipes["paint"], []
-    for motion in planned if plan.config.dataset.kind == "folder" else ():
-        pictures = [plan.items[position] for position in motion.members]
-        spec = tuple(item if may_be_coloured(item) else None for item in pictures)
-        if spec != (None, None):
-            inputs = [motion.key, *(item.digest for item in spec if item is not None)]
-            parts = of.parts(inputs, [item is not None for item in spec])
-            work.append(WorkItem(parts, of.parameters, (motion.reference,), spec, motion.members))
-    return work
+    work = [_with_pictures(plan, plan.recipes["paint"], motion) for motion in planned]
+    return [item for item in work if item.spec is not None]
 
 
 def plan_fabrications(plan: Plan, planned: Sequence[WorkItem]) -> list[WorkItem]:
-    """Puzzles of transforms with a motion, in order."""
-    return [_after(plan.recipes["fabricate"], motion) for motion in planned]
+    """Puzzles of transforms with a motion, in order; with paperwork, from the pictures that may have colours too."""
+    of = plan.recipes["fabricate"]
+    if not plan.config.fabricate.paper:
+        return [_after(of, motion) for motion in planned]
+    return [_with_pictures(plan, of, motion) for motion in planned]
 
 
 def _ingest(of: Recipe, items: tuple[Item, ...], batch: range) -> WorkItem:
@@ -262,6 +258,19 @@ def shape_key(plan: Plan, position: int) -> str:
 
 def _after(of: Recipe, item: WorkItem) -> WorkItem:
     return WorkItem(of.parts([item.key]), of.parameters, (item.reference,), None, item.members)
+
+
+def _with_pictures(plan: Plan, of: Recipe, motion: WorkItem) -> WorkItem:
+    """What comes after a motion and reads the pictures that may have colours, of a folder; `_after` if none has."""
+    if plan.config.dataset.kind != "folder":
+        return _after(of, motion)
+    pictures = [plan.items[position] for position in motion.members]
+    spec = tuple(item if may_be_coloured(item) else None for item in pictures)
+    if spec == (None, None):
+        return _after(of, motion)
+    inputs = [motion.key, *(item.digest for item in spec if item is not None)]
+    parts = of.parts(inputs, [item is not None for item in spec])
+    return WorkItem(parts, of.parameters, (motion.reference,), spec, motion.members)
 
 
 def _shard(plan: Plan, batches: Sequence[int]) -> WorkItem:

@@ -15,6 +15,7 @@ from pipeline.closure import code_digests
 from pipeline.keys import digest_bytes, digest_text
 from pipeline.results import Results
 from pipeline.store import write_atomically
+from riot.texture.names import SIDES
 
 RECORD = "run.json"
 ARTIFACTS = "artifacts.json"
@@ -84,7 +85,8 @@ def counts(results: Results) -> dict[str, int]:
     """Items, shapes, pairs, transforms, motions and errors by number.
 
     ``classes`` counts a shape without a class as one of its own; ``without_trunks`` the shapes known to have none;
-    ``blocked`` the work items that were not tried because an input had failed.
+    ``refused_textures`` the pictures that may have colours and can be no texture; ``blocked`` the
+    work items that were not tried because an input had failed.
     """
     made = [results.artifact(item) for item in results.work["construct"]]
     statuses = [artifact.document["status"] for artifact in made if artifact is not None]
@@ -92,6 +94,13 @@ def counts(results: Results) -> dict[str, int]:
     flat = [bool(one.document["swings_flat"]) for one in motions if one is not None and "swings_flat" in one.document]
     printed = [results.artifact(item) for item in results.work.get("fabricate", ())]
     puzzles = [one.document["status"] for one in printed if one is not None and "status" in one.document]
+    painted = [(item, results.artifact(item)) for item in results.work.get("paint", ())]
+    refused = {
+        item.members[SIDES.index(row["side"])]
+        for item, one in painted
+        if one is not None
+        for row in one.document.get("refused", ())
+    }
     shapes = results.shapes
     return {
         "items": len(results.plan.items) + len(results.collection.rejected),
@@ -109,6 +118,7 @@ def counts(results: Results) -> dict[str, int]:
         "swing_flat": sum(flat),
         "puzzles": puzzles.count("certified"),
         "no_puzzles": len(puzzles) - puzzles.count("certified"),
+        "refused_textures": len(refused),
         "errors": len(results.errors),
         "blocked": results.blocked,
     }

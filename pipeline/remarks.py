@@ -15,6 +15,7 @@ def remarks(counts: Mapping[str, int], policy: str) -> list[str]:
         *_approximate(counts),
         *_motions(counts),
         *_puzzles(counts),
+        *_textures(counts),
         *_ignored(counts),
     ]
 
@@ -74,6 +75,16 @@ def _puzzles(counts: Mapping[str, int]) -> list[str]:
         return []
     said = f"{made:,} of {several(made + not_made, 'puzzle')} certified, in print/"
     return [f"{said}; fabrications.parquet says why the others cannot be made." if not_made else f"{said}."]
+
+
+def _textures(counts: Mapping[str, int]) -> list[str]:
+    refused = counts.get("refused_textures", 0)
+    if refused == 0:
+        return []
+    return [
+        f"{several(refused, 'picture')} that may have colours cannot be a texture, so that pieces are plain on that "
+        "side: no part is transparent, it is too large, or it has opaque parts beside the shape."
+    ]
 
 
 def _ignored(counts: Mapping[str, int]) -> list[str]:

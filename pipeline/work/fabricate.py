@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +12,16 @@ import numpy as np
 
 from pipeline.artifact import AnyArray, Artifact
 from pipeline.work.items import ErrorRow, attempt
+from pipeline.work.textures import Pictures, read_textures
 from riot.fabricate.certificate import Built, build, fix
 from riot.fabricate.errors import FabricationError
 from riot.fabricate.files import write_puzzle
-from riot.fabricate.paperwork import write_paperwork
+from riot.fabricate.paperwork import SHEETS, write_paperwork
 from riot.fabricate.parameters import FabricationParameters
 from riot.riotfile import from_json
+from riot.texture.names import Side
+from riot.texture.paint import Texture
+from riot.transform import Transform
 
 COLUMNS = (
     "status", "reason", "message", "size", "thickness", "pin", "changes", "parts", "components", "volume", "least_wall",
@@ -26,17 +30,19 @@ COLUMNS = (
 """What `fabrications` has of it."""
 
 
-def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures | None) -> Artifact:
     """A transform with its motion → the puzzle's files by name, (bytes,) uint8 each, and a document: `COLUMNS`.
 
-    A puzzle that cannot be made, or fails its certificate, has no files and a reason: it is no error.
+    ``spec``: the colour pictures of its shapes, for the texture sheets among the paperwork; one that cannot be a
+    texture is told in the warnings. A puzzle that cannot be made, or fails its certificate, has no files and a reason:
+    it is no error.
     """
     (planned,), (sizes, mend, paper) = inputs, parameters
     errors: list[ErrorRow] = []
 
     def made() -> Artifact:
         try:
-            return _made(planned, sizes, mend, paper)
+            return _made(from_json(planned.document["riot"]), sizes, mend, paper, spec or (None, None))
         except FabricationError as error:
             said = {"status": "refused", "reason": error.reason, "message": str(error)}
             return Artifact({}, {**said, **_asked(sizes)})
@@ -45,18 +51,21 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Ar
     return result if result is not None else Artifact({}, {"errors": errors})
 
 
-def _made(planned: Artifact, sizes: FabricationParameters, mend: bool, paper: bool) -> Artifact:
-    puzzle = (fix if mend else build)(from_json(planned.document["riot"]), sizes)
+def _made(transform: Transform, sizes: FabricationParameters, mend: bool, paper: bool, pictures: Pictures) -> Artifact:
+    puzzle = (fix if mend else build)(transform, sizes)
     if not puzzle.certificate.passed:
         said = {"status": "failed", "reason": "uncertified", "message": "; ".join(puzzle.certificate.failures)}
         return Artifact({}, {**said, **_measured(puzzle)})
-    files = _files(puzzle, paper)  # may still find that a part is larger than the bed
-    return Artifact(files, {"status": "certified", "reason": "", "message": "", **_measured(puzzle)})
+    textures, refused = read_textures(transform, pictures) if paper else ({}, [])
+    files = _files(puzzle, paper, textures)  # may still find that a part is larger than the bed
+    measured = _measured(puzzle)
+    measured["warnings"] += [f"no {SHEETS[each.side]}: {each.message}" for each in refused]
+    return Artifact(files, {"status": "certified", "reason": "", "message": "", **measured})
 
 
-def _files(puzzle: Built, paper: bool) -> dict[str, AnyArray]:
+def _files(puzzle: Built, paper: bool, textures: Mapping[Side, Texture]) -> dict[str, AnyArray]:
     def paperwork(where: Path) -> None:
-        write_paperwork(puzzle.design, where, dxf=False)
+        write_paperwork(puzzle.design, where, textures, dxf=False)
 
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "puzzle"

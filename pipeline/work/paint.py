@@ -3,53 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from pipeline.artifact import AnyArray, Artifact
-from pipeline.item import Item
-from pipeline.work.ingest import check_unchanged
 from pipeline.work.items import ErrorRow, attempt
+from pipeline.work.textures import Pictures, read_textures
 from riot.draw.skin import Skin, Skins
 from riot.riotfile import from_json
-from riot.texture.names import SIDES, Side
-from riot.texture.paint import PictureTexture, picture_texture
+from riot.texture.names import SIDES
 from riot.texture.skins import make_skins
-from riot.texture.source import TextureError
-from riot.transform import Transform
-
-Spec = tuple[Item | None, Item | None]
-"""The pictures of P and of Q; None for one without colours."""
-
-LEAST_CONTRAST = 8.0
-"""A picture whose colours differ less from their mean (root mean square, of 255) is a silhouette in one colour."""
 
 
-def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Artifact:
-    """A transform with its motion, and its pictures → `pack_skins` of the sides that have colours, perhaps of none."""
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures) -> Artifact:
+    """A transform with its motion, and its pictures → `pack_skins` of the sides that have colours, perhaps of none.
+
+    The document has these ``sides``, and ``refused`` a row for each picture that cannot be a texture: no error, its
+    side is plain.
+    """
     (planned,) = inputs
-    for item in spec:
-        if item is not None:
-            check_unchanged(item)
     transform = from_json(planned.document["riot"])
     errors: list[ErrorRow] = []
-    skins = attempt(0, lambda: make_skins(transform, _textures(transform, spec)), errors)
-    return Artifact({}, {"errors": errors}) if skins is None else Artifact(pack_skins(skins), {"sides": sorted(skins)})
 
+    def painted() -> Artifact:
+        textures, refused = read_textures(transform, spec)
+        skins = make_skins(transform, textures)
+        return Artifact(pack_skins(skins), {"sides": sorted(skins), "refused": [asdict(each) for each in refused]})
 
-def _textures(transform: Transform, spec: Spec) -> Mapping[Side, PictureTexture]:
-    found = {}
-    for side, item in zip(SIDES, spec, strict=True):
-        if item is None:
-            continue
-        try:
-            texture = picture_texture(item.source, transform, side)
-        except TextureError:  # opaque all over, or in parts of which the silhouette is one: no texture, and no error
-            continue
-        if float(texture.pixels.reshape(-1, 3).std(axis=0).max()) >= LEAST_CONTRAST:
-            found[side] = texture
-    return found
+    made = attempt(0, painted, errors)
+    return Artifact({}, {"errors": errors}) if made is None else made
 
 
 def pack_skins(skins: Skins) -> dict[str, AnyArray]:

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
+from colour_pictures import picture, placed
 
 from pipeline.artifact import Artifact, decode, encode
 from pipeline.config import FabricateConfig, make_config
+from pipeline.datasets import Collection
 from pipeline.errors import ConfigError
+from pipeline.item import Item
+from pipeline.plan import WorkItem, make_plan, plan_fabrications
 from pipeline.remarks import remarks
 from pipeline.report.puzzles import puzzles
 from pipeline.stages import BY_NAME, recipe
@@ -20,7 +26,7 @@ from pipeline.tables import FABRICATIONS
 from pipeline.work.fabricate import COLUMNS, run
 from riot.fabricate import FabricationParameters
 from riot.groundtruth import exact_pair, exact_transform
-from riot.riotfile import to_json
+from riot.riotfile import from_json, to_json
 
 PLANNED = Artifact({}, {"riot": to_json(exact_transform(exact_pair(3, 1)).planned())})
 SAMPLE = {"dataset": {"name": "sample", "kind": "sample"}}
@@ -60,6 +66,41 @@ def test_paperwork_comes_when_asked_for(made: Artifact) -> None:
     with_paper = run([PLANNED], [FabricationParameters(), False, True], None).arrays
     assert {"assembly.pdf", "laser-outlines.svg", "puzzle-p.png"} <= with_paper.keys() - made.arrays.keys()
     assert all(np.array_equal(with_paper[name], data) for name, data in made.arrays.items())
+
+
+def test_paperwork_has_texture_sheets_of_colour_pictures(tmp_path: Path) -> None:
+    transform = placed(from_json(PLANNED.document["riot"]))
+    planned = Artifact({}, {"riot": to_json(transform)})
+    coloured = picture(tmp_path / "p.png", transform.p)
+    sheets = {"texture-front.pdf", "texture-back.pdf"}
+    both = run([planned], [FabricationParameters(), False, True], (coloured, picture(tmp_path / "q.png", transform.q)))
+    assert both.document["status"] == "certified" and sheets <= both.arrays.keys()
+    opaque = picture(tmp_path / "opaque.png", transform.q, opaque=True)
+    one = run([planned], [FabricationParameters(), False, True], (coloured, opaque))
+    assert one.document["status"] == "certified" and sheets & one.arrays.keys() == {"texture-front.pdf"}
+    assert np.array_equal(one.arrays["texture-front.pdf"], both.arrays["texture-front.pdf"])
+    told = set(one.document["warnings"]) - set(both.document["warnings"])
+    assert len(told) == 1
+    assert told.pop().startswith("no texture-back.pdf: opaque: the picture has no transparent part")
+    bare = run([planned], [FabricationParameters(), False, False], (coloured, opaque))
+    assert not sheets & bare.arrays.keys() and bare.document["warnings"] == both.document["warnings"]
+
+
+def test_pictures_are_part_of_a_puzzles_key_where_their_sheets_are_made(tmp_path: Path) -> None:
+    transform = placed(from_json(PLANNED.document["riot"]))
+    items = (picture(tmp_path / "p.png", transform.p), picture(tmp_path / "q.png", transform.q, opaque=True))
+
+    def puzzle(paper: bool, items: tuple[Item, Item]) -> WorkItem:
+        folder = {"dataset": {"name": "folder", "kind": "folder", "root": str(tmp_path)}}
+        config = make_config({**folder, "fabricate": {"top": 1, "paper": paper}})
+        plan = make_plan(config, Collection("folder", items))
+        motion = replace(plan.ingest[0], members=(0, 1))
+        (found,) = plan_fabrications(plan, [motion])
+        return found
+
+    changed = (items[0], replace(items[1], digest="0" * 64))
+    assert puzzle(False, items).spec is None and puzzle(True, items).spec == items
+    assert len({puzzle(False, items).key, puzzle(True, items).key, puzzle(True, changed).key}) == 3
 
 
 def test_what_cannot_be_made_is_a_row_with_the_reason_and_no_error() -> None:
@@ -114,7 +155,7 @@ def test_the_report_tells_what_became_of_every_puzzle(made: Artifact) -> None:
         {**none, **pair, "rank": 1, "folder": "print/0001_a_b", **made.document},
         {**none, **pair, "rank": 2, "folder": "", **refused.document},
     ]
-    text = puzzles(rows, {2})
+    text = puzzles(rows, {1: "#t1"})
     assert 'href="print/0001_a_b/"' in text and 'href="#t1"' in text and 'href="#t2"' not in text
     assert "&lt;a&gt;" in text and "<a>" not in text and "enlarge size_mm" in text
     assert text.count('href="print/') == 1

@@ -2,38 +2,29 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
+from colour_pictures import picture, placed
 from PIL import Image
 
 from pipeline.artifact import Artifact, decode, encode
 from pipeline.colour import may_be_coloured
-from pipeline.item import Item
+from pipeline.remarks import remarks
 from pipeline.skins import FOLDER, read_skins
 from pipeline.work.paint import run, unpack_skins
 from riot.draw.skin import PLAIN
 from riot.groundtruth import exact_pair, exact_transform
 from riot.riotfile import to_json
-from riot.shape import Shape
 from riot.transform import Transform
-
-SIZE = 160
-
-
-def placed(shape: Shape) -> Shape:
-    """The shape in the middle of a picture."""
-    return replace(shape, to_source=np.array([[50.0, 0.0, 80.0], [0.0, -50.0, 80.0]]))
 
 
 @pytest.fixture(scope="module")
 def transform() -> Transform:
-    found = exact_transform(exact_pair(4, 3)).planned()
-    return replace(found, p=placed(found.p), q=placed(found.q))
+    return placed(exact_transform(exact_pair(4, 3)).planned())
 
 
 @pytest.fixture(scope="module")
@@ -41,21 +32,10 @@ def planned(transform: Transform) -> Artifact:
     return Artifact({}, {"riot": to_json(transform)})
 
 
-def picture(path: Path, shape: Shape, colour: tuple[int, int, int] | None = None, opaque: bool = False) -> Item:
-    """A picture of a shape, in one colour or in many; with a transparent background unless opaque."""
-    x, y = np.meshgrid(np.arange(SIZE), np.arange(SIZE))
-    inside = shapely.contains_xy(shapely.Polygon(shape.source(shape.points)), x.ravel(), y.ravel())
-    inside = inside.reshape(SIZE, SIZE)
-    rgb = np.stack([x, y, 0 * x], axis=2) if colour is None else np.broadcast_to(colour, (SIZE, SIZE, 3))
-    alpha = np.full((SIZE, SIZE, 1), 255) if opaque else 255 * inside[..., None]
-    Image.fromarray(np.concatenate([rgb, alpha], axis=2).astype(np.uint8), "RGBA").save(path)
-    return Item(path.stem, "", str(path), hashlib.sha256(path.read_bytes()).hexdigest())
-
-
 def test_pieces_get_the_colours_of_their_pictures(tmp_path: Path, transform: Transform, planned: Artifact) -> None:
     spec = picture(tmp_path / "p.png", transform.p), picture(tmp_path / "q.png", transform.q)
     found = run([planned], [], spec)
-    assert found.document == {"sides": ["p", "q"]}
+    assert found.document == {"sides": ["p", "q"], "refused": []}
     skins = unpack_skins(decode(encode(found)).arrays, len(transform))
     for t, side in ((0.0, "p"), (1.0, "q")):
         shape = transform.p if side == "p" else transform.q
@@ -71,11 +51,33 @@ def test_pieces_get_the_colours_of_their_pictures(tmp_path: Path, transform: Tra
 
 def test_silhouettes_leave_the_pieces_plain(tmp_path: Path, transform: Transform, planned: Artifact) -> None:
     black = picture(tmp_path / "black.png", transform.p, (0, 0, 0))
-    opaque = picture(tmp_path / "opaque.png", transform.q, opaque=True)
-    found = run([planned], [], (black, opaque))
-    assert not found.arrays and found.document == {"sides": []}
+    found = run([planned], [], (black, None))
+    assert not found.arrays and found.document == {"sides": [], "refused": []}
     one = run([planned], [], (None, picture(tmp_path / "q.png", transform.q)))
-    assert one.document == {"sides": ["q"]}
+    assert one.document == {"sides": ["q"], "refused": []}
+
+
+def test_a_picture_that_can_be_no_texture_is_told_and_stops_no_other_side(
+    tmp_path: Path, transform: Transform, planned: Artifact
+) -> None:
+    opaque = picture(tmp_path / "opaque.png", transform.q, opaque=True)
+    found = run([planned], [], (picture(tmp_path / "p.png", transform.p), opaque))
+    assert found.document["sides"] == ["p"] and "errors" not in found.document
+    (refused,) = found.document["refused"]
+    assert (refused["side"], refused["reason"]) == ("q", "no-alpha")
+    # Where the pictures lie is no part of what is kept.
+    assert refused["message"].startswith("opaque: the picture has no transparent part")
+    assert str(tmp_path) not in refused["message"]
+    turned = picture(tmp_path / "other.png", replace(transform.p, to_source=transform.p.to_source[:, [1, 0, 2]]))
+    (other,) = run([planned], [], (turned, None)).document["refused"]
+    assert other["reason"] == "other-shape"
+
+
+def test_a_run_tells_how_many_pictures_can_be_no_texture() -> None:
+    assert remarks({"selected": 1, "refused_textures": 0}, "global") == []
+    (one,) = remarks({"selected": 1, "refused_textures": 1}, "global")
+    (two,) = remarks({"selected": 1, "refused_textures": 2}, "global")
+    assert one.startswith("1 picture that") and two.startswith("2 pictures that")
 
 
 def test_a_picture_that_changed_is_refused(tmp_path: Path, transform: Transform, planned: Artifact) -> None:
