@@ -165,7 +165,7 @@ def _walk(node: ast.AST) -> Iterator[ast.AST]:
         if isinstance(child, ast.If) and _is_type_checking(child.test):
             for statement in child.orelse:
                 yield from _walk(statement)
-        else:
+        elif not isinstance(child, ast.expr):  # most of a tree, and without any import
             yield from _walk(child)
 
 
