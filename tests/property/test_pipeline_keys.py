@@ -65,6 +65,20 @@ def test_a_changed_value_changes_the_digest(array: np.ndarray, data: st.DataObje
     assert digest_array(changed) != digest_array(array)
 
 
+@settings(max_examples=40, deadline=None)
+@given(npst.arrays(np.float64, st.tuples(st.integers(3, 8), st.just(2)), elements=st.floats(-9, 9)), st.integers(1, 7))
+def test_another_start_vertex_is_another_outline(points: np.ndarray, by: int) -> None:
+    turned = np.roll(points, by, axis=0)
+    assert (digest_array(turned) == digest_array(points)) == np.array_equal(turned, points)
+
+
+@settings(max_examples=40, deadline=None)
+@given(arrays, arrays)
+def test_equal_digests_mean_equal_arrays(a: np.ndarray, b: np.ndarray) -> None:
+    same = a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f" and b.dtype.kind == "f")
+    assert (digest_array(a) == digest_array(b)) == same
+
+
 def test_zeros_and_nans_have_one_form_each() -> None:
     quiet, other = np.array([np.nan]), np.array([0x7FF8000000000123], dtype=np.uint64).view(np.float64)
     assert np.isnan(other).all()
