@@ -39,7 +39,6 @@ from pipeline.plan import (
 from pipeline.quarantine import bring_shapes
 from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results, certified, least_deformed
-from pipeline.write import write_tables
 from riot.shape import FloatArray
 
 
@@ -104,6 +103,8 @@ def _run(config: Config, collection: Collection, listen: Listener) -> Outcome:
     nothing_new = all(stage.computed == 0 and stage.failed == 0 for stage in results.stages)
     if nothing_new and holds(folder, digest):
         return Outcome(code, folder, folder / REPORT, False, time.perf_counter() - clock, results)
+
+    from pipeline.write import write_tables  # here: a run that finds everything as it was writes nothing
 
     listen(Note("writing tables …"))
     (folder / RECORD).unlink(missing_ok=True)  # until it is back, the folder holds no finished run
