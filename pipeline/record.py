@@ -85,8 +85,8 @@ def counts(results: Results) -> dict[str, int]:
     """Items, shapes, pairs, transforms, motions and errors by number.
 
     ``classes`` counts a shape without a class as one of its own; ``without_trunks`` the shapes known to have none;
-    ``refused_textures`` the pictures that may have colours and can be no texture; ``blocked`` the
-    work items that were not tried because an input had failed.
+    ``refused_textures`` the pictures that may have colours and can be no texture; ``blocked`` the work items
+    that were not tried because an input had failed.
     """
     made = [results.artifact(item) for item in results.work["construct"]]
     statuses = [artifact.document["status"] for artifact in made if artifact is not None]
