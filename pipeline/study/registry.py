@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from pipeline.study import consistency, distributions, groundtruth, quiz, timing
+from pipeline.study import consistency, distributions, groundtruth, parameters, quiz, timing
 from pipeline.study.findings import Findings
 from pipeline.study.finished import Finished
 
@@ -28,6 +28,7 @@ STUDIES: Mapping[str, Study] = MappingProxyType(
         "consistency": Study("how far QCRS orders pairs as CRS does", consistency.Parameters, consistency.study),
         "distributions": Study("how scores are spread, by class", distributions.Parameters, distributions.study),
         "groundtruth": Study("whether hidden exact pairs are found", groundtruth.Parameters, groundtruth.study),
+        "parameters": Study("what the method's parameters do", parameters.Parameters, parameters.study),
         "quiz": Study("pairs to judge, as the paper's people did", quiz.Parameters, quiz.study),
         "timing": Study("what each step costs, beside the paper", timing.Parameters, timing.study),
     }

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from html.parser import HTMLParser
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from given_run import GivenRun, given_run
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.config import make_config
 from pipeline.errors import ConfigError, StartError
-from pipeline.match import Mined
 from pipeline.study.findings import write_findings
-from pipeline.study.finished import Finished
 from pipeline.study.quiz import QUIZ, Parameters, right_answers, study, with_hindsight
 from pipeline.study.quiz_pairs import Pair
-from riot.groundtruth import ExactPair, exact_pair, exact_transform
-from riot.reversibility import reversibility
+from riot.groundtruth import exact_pair, exact_transform
 from riot.riotfile import to_json
 from riot.shape import Shape
 
@@ -32,49 +28,30 @@ OURS = Parameters(pairs=4, margin=0.02)
 VOID = {"meta", "link", "input", "img", "br", "path", "use", "rect", "circle"}
 
 
-class Made(Finished):
-    """A finished run whose shapes need no store."""
-
-    @cached_property
-    def exact(self) -> list[ExactPair]:
-        return [exact_pair(3 + k % 2, 40 + k, curved=False, topology="star") for k in range(EXACT)]
-
-    @cached_property
-    def shapes(self) -> list[Shape]:
-        return [Shape.from_polygon(outline) for pair in self.exact for outline in (pair.p, pair.q)]
-
-
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
-    """The tables that the quiz reads, and what else it asks a run for."""
-    folder, count = tmp_path_factory.mktemp("exact"), 2 * EXACT
-    names = tuple(f"name<{number}>" for number in range(count))
-    classes = tuple(f"class&{number % EXACT}" for number in range(count))
-    config = make_config({"dataset": {"name": "sample", "kind": "sample"}})
-    # The store is asked for shapes alone, which are at hand.
-    store = cast(Any, None)
-    run = Made(Mined(folder, "exact", config, store, names, classes, names, (), np.arange(count)))
+def made(tmp_path_factory: pytest.TempPathFactory) -> GivenRun:
+    """A run with what the quiz reads of it."""
+    folder = tmp_path_factory.mktemp("exact")
+    exact = [exact_pair(3 + k % 2, 40 + k, curved=False, topology="star") for k in range(EXACT)]
+    run = given_run(folder, [Shape.from_polygon(outline) for pair in exact for outline in (pair.p, pair.q)], EXACT)
     (folder / "transforms").mkdir()
     (folder / "qcrs").mkdir()
     rows: list[dict[str, Any]] = []
-    for k, pair in enumerate(run.exact[:FOUND]):
+    for k, pair in enumerate(exact[:FOUND]):
         file = f"transforms/{k}.riot"
         (folder / file).write_text(to_json(exact_transform(pair)), encoding="utf-8")
         rows.append(
-            {"i": 2 * k, "j": 2 * k + 1, "class_i": classes[2 * k], "class_j": classes[2 * k + 1],
+            {"i": 2 * k, "j": 2 * k + 1, "class_i": run.classes[2 * k], "class_j": run.classes[2 * k + 1],
              "status": "certified", "iou": 0.999 - 0.001 * k, "qcrs": 0.95, "crs": 0.9, "file": file}
         )  # fmt: skip
     pq.write_table(pa.Table.from_pylist(rows), folder / "transforms.parquet")
-    pq.write_table(pa.table({"score": [reversibility(shape).score for shape in run.shapes]}),
-                   folder / "reversibility.parquet")  # fmt: skip
-    pq.write_table(pa.table({"trunks": [9] * count}), folder / "shapes.parquet")
-    i, j = (each.astype(np.int32) for each in np.triu_indices(count, 1))
+    i, j = (each.astype(np.int32) for each in np.triu_indices(2 * EXACT, 1))
     quick = np.random.default_rng(5).random(len(i))
     pq.write_table(pa.table({"i": i, "j": j, "score": quick}), folder / "qcrs" / "part.parquet")
     return run
 
 
-def files(made: Made, parameters: Parameters) -> dict[str, bytes]:
+def files(made: GivenRun, parameters: Parameters) -> dict[str, bytes]:
     """Every file of the study."""
     folder = made.mined.folder / "study" / "quiz"
     write_findings(study(made, parameters, lambda _: None), folder)
@@ -82,7 +59,7 @@ def files(made: Made, parameters: Parameters) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def asked(made: Made) -> dict[str, bytes]:
+def asked(made: GivenRun) -> dict[str, bytes]:
     return files(made, OURS)
 
 
@@ -126,7 +103,7 @@ class Page(HTMLParser):
         return [one for one in self.found if one["tag"] == tag and all(one.get(k) == v for k, v in attributes.items())]
 
 
-def test_one_half_are_transforms_and_the_other_falls_short_of_them_all(made: Made, asked: dict[str, bytes]) -> None:
+def test_one_half_are_transforms_and_the_other_falls_short_of_them_all(made: GivenRun, asked: dict[str, bytes]) -> None:
     rows = rows_of(asked)
     yes, no = ([row for row in rows if row["reversible"] == which] for which in (True, False))
     assert len(yes) == len(no) == OURS.pairs // 2
@@ -141,7 +118,7 @@ def test_one_half_are_transforms_and_the_other_falls_short_of_them_all(made: Mad
         assert row["class_left"] != row["class_right"]
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_other_pairs(made: Made, asked: dict[str, bytes]) -> None:
+def test_the_same_seed_gives_the_same_bytes_and_another_other_pairs(made: GivenRun, asked: dict[str, bytes]) -> None:
     assert files(made, OURS) == asked
     other = rows_of(files(made, Parameters(pairs=4, margin=0.02, seed=7)))
     assert [(row["left"], row["right"]) for row in other] != [(row["left"], row["right"]) for row in rows_of(asked)]
@@ -202,7 +179,7 @@ def test_no_threshold_is_better_than_hindsight(answers: list[tuple[bool, float]]
     )
 
 
-def test_refusals_say_what_to_do(made: Made) -> None:
+def test_refusals_say_what_to_do(made: GivenRun) -> None:
     for values, words in (({"pairs": 3}, "even"), ({"margin": 2.0}, "margin"), ({"seed": -1}, "seed")):
         with pytest.raises(ConfigError, match=words):
             Parameters(**values)

@@ -36,6 +36,7 @@ QUICK = {
     "consistency": ("pairs=20", "bounds=3", "draws=50"),
     "distributions": ("samples=4",),
     "groundtruth": ("pairs=1", "keep=3", "few=1"),
+    "parameters": ("pairs=1", "shapes=2", "spacing=[12]", "tau_s=[]", "tau_c=[0.2]", "sigma_pa=[2]", "sigma_w=[]"),
     "quiz": ("pairs=2", "margin=0"),
     "timing": (),
 }

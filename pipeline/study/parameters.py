@@ -1,0 +1,260 @@
+"""What the method's parameters do (paper §6): to the candidate trunks, and to the order of shapes by reversibility."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from matplotlib.figure import Figure
+
+from pipeline.errors import ConfigError
+from pipeline.study import plots
+from pipeline.study.beside import write_beside
+from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.finished import Finished
+from pipeline.study.groundtruth import PIECES
+from pipeline.study.hidden import hide
+from pipeline.study.ordering import Order, orders
+from pipeline.study.statistics import wilson
+from pipeline.study.varied import Outcome, vary
+from riot.draw.palette import LIGHT
+from riot.draw.palette import PIECES as COLOURS
+from riot.groundtruth import CORNER_TOLERANCE, LEAST_DEPTH
+
+TIMES = "times.parquet"
+"""What varies from run to run, so that the table does not."""
+
+TRUNKS, SIGMAS = ("spacing", "tau_s", "tau_c"), ("sigma_pa", "sigma_w")
+"""The parameters of candidate trunks, and those of S_r."""
+
+SYMBOLS = {"spacing": "L_c / d_space", "tau_s": "τ_s", "tau_c": "τ_c", "sigma_pa": "σ_PA", "sigma_w": "σ_W"}
+
+PAPER = {
+    "spacing": "15; 22–54 sparse points a shape",
+    "tau_s": "0.1; 0.07 for two of the nine designs by hand",
+    "tau_c": "0.3",
+    "sigma_pa": "1",
+    "sigma_w": "4",
+}
+"""The paper's value, and what it says of it."""
+
+
+MARGINS = {
+    False: f"with hinges within {CORNER_TOLERANCE:g} of corners and pieces deeper than {LEAST_DEPTH:g}, "
+    "which a greater τ_s must lose",
+    True: "with hinges anywhere and shallow pieces among them",
+}
+"""What the exact pairs are like, by whether their margins are narrow."""
+
+Row = TypeVar("Row", Outcome, Order)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The values of each parameter, beside the run's own, which always is among them; ``spacing`` is L_c / d_space.
+
+    Trunks are looked for in the shapes of ``pairs`` exact pairs, and counted in ``shapes`` shapes of the run. The pairs
+    keep ``narrow`` margins (`pipeline.study.hidden.hide`): with the generator's own, fit for the default values, others
+    would look worse than they are.
+    """
+
+    spacing: tuple[float, ...] = (8.0, 10.0, 12.0, 18.0, 22.0)
+    tau_s: tuple[float, ...] = (0.05, 0.07, 0.14, 0.2)
+    tau_c: tuple[float, ...] = (0.05, 0.1, 0.2, 0.5, 0.7)
+    sigma_pa: tuple[float, ...] = (0.25, 0.5, 2.0, 4.0)
+    sigma_w: tuple[float, ...] = (1.0, 2.0, 8.0, 16.0)
+    pairs: int = 60
+    shapes: int = 200
+    narrow: bool = True
+    seed: int = 2018
+
+    def __post_init__(self) -> None:
+        for name, least in (("pairs", 1), ("shapes", 1), ("seed", 0)):
+            if getattr(self, name) < least:
+                raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
+        for name in (*TRUNKS, *SIGMAS):
+            for value in getattr(self, name):
+                if not 0.0 < value < math.inf or (name == "tau_c" and value >= 1.0):
+                    raise ConfigError(f"{name}: values must be above 0{', below 1' * (name == 'tau_c')}, got {value}")
+
+
+def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+    """Vary one parameter at a time. CPU times go to `TIMES`, beside the table, since they differ between equal runs."""
+    pairs, _ = hide(parameters.pairs, PIECES, narrow=parameters.narrow)
+    hidden = [side for pair in pairs for side in (pair.p, pair.q)]
+    count = len(finished.shapes)
+    rng = np.random.default_rng(parameters.seed)
+    sample = [finished.shapes[k] for k in np.sort(rng.permutation(count)[: parameters.shapes]).tolist()]
+    values = {name: getattr(parameters, name) for name in TRUNKS}
+    outcomes = list(vary(hidden, sample, finished.config.trunks, values, say))
+    write_beside(finished, "parameters", TIMES, _times(outcomes, say))
+    s1, s2 = (finished.values("reversibility", name) for name in ("s1", "s2"))
+    own = {name: float(getattr(finished.config.reversibility, name)) for name in SIGMAS}
+    found = list(orders(s1, s2, own, {name: getattr(parameters, name) for name in SIGMAS}))
+    return _findings(finished, parameters, outcomes, found)
+
+
+def _times(outcomes: Sequence[Outcome], say: Callable[[str], None]) -> bytes:
+    """The table of times; each is told as well."""
+    own = next(one.seconds for one in outcomes if one.default)
+    for one in outcomes:
+        say(f"{one.parameter}={one.value:g}: {1e3 * one.seconds:.1f} ms a shape, {one.seconds / own:.2f} × the default")
+    table = of_columns(
+        "CPU time of the full trunks of one shape; these vary from run to run.",
+        [
+            (column("parameter", pa.string(), "parameter that is varied"), [one.parameter for one in outcomes]),
+            (column("value", pa.float64(), "its value"), [one.value for one in outcomes]),
+            (column("seconds", pa.float64(), "mean of one shape", "s"), [one.seconds for one in outcomes]),
+            (column("ratio", pa.float64(), "to that of the default", "1"), [one.seconds / own for one in outcomes]),
+        ],
+    )
+    stream = io.BytesIO()
+    pq.write_table(table, stream)
+    return stream.getvalue()
+
+
+def _findings(
+    finished: Finished, parameters: Parameters, outcomes: Sequence[Outcome], orders: Sequence[Order]
+) -> Findings:
+    of, counted = len(outcomes[0].error), len(outcomes[0].trunks)
+    trunk_rows = [
+        (SYMBOLS[one.parameter], _value(one), f"{one.found} of {of}",
+         "{:.0%} – {:.0%}".format(*wilson(one.found / 2, of // 2)), f"{one.mean_error:.4f}",
+         f"{np.median(one.trunks):.0f}", f"{one.trunks.mean():.0f}")
+        for one in outcomes
+    ]  # fmt: skip
+    lost_rows = [(SYMBOLS[one.parameter], _value(one), _lost(one)) for one in outcomes if one.lost]
+    order_rows = [(SYMBOLS[one.parameter], _value(one), f"{one.kendall:.3f}", f"{one.kept:.0%}") for one in orders]
+    said = {**_trunk_words(outcomes), **_order_words(orders)}
+    words = [(SYMBOLS[name], PAPER[name], here) for name, here in said.items()]
+    return Findings(
+        f"Parameters on {finished.mined.dataset}",
+        f"One parameter at a time, the others as the run has them. True trunks are those of {of} shapes of exact "
+        f"pairs, drawn as pictures, {MARGINS[parameters.narrow]}; they are found if a candidate trunk is near at every "
+        f"corner. Trunks are counted in {counted} shapes of the run. The order by S_r is that of all its shapes, and "
+        f"depends on the ratio of the two sigmas alone. Times are in {TIMES} beside this page.",
+        _table(outcomes, orders),
+        [
+            Sheet("Findings", ("parameter", "paper", "here"), words, 3),
+            Sheet("Candidate trunks", ("parameter", "value", "true trunks found", "95 %", "mean error / L_c",
+                                       "median trunks", "mean"), trunk_rows),
+            Sheet("True trunks lost at", ("parameter", "value", "test"), lost_rows, 3),
+            Sheet("Order by S_r", ("parameter", "value", "Kendall's τ", "of the best tenth kept"), order_rows),
+        ],
+        {
+            "recovery": (_lines(_series(outcomes, lambda one: one.found / of), "true trunks found"),
+                         "Share of true trunks that are near a candidate trunk"),
+            "error": (_lines(_series(outcomes, lambda one: one.mean_error), "mean error / L_c"),
+                      "Greatest distance of a corner from its true place, of the nearest candidate trunk"),
+            "trunks": (_lines(_series(outcomes, lambda one: float(np.median(one.trunks))), "trunks a shape", True),
+                       "Median number of candidate trunks"),
+            "order": (_lines(_series(orders, lambda one: one.kendall), "Kendall's τ to the default"),
+                      "How far the order of the shapes by S_r stays"),
+        },
+    )  # fmt: skip
+
+
+def _value(one: Outcome | Order) -> str:
+    return f"{one.value:g}" + " (run)" * one.default
+
+
+def _lost(one: Outcome) -> str:
+    return ", ".join(
+        f"{test} {count}" for test, count in sorted(one.lost.items(), key=lambda item: (-item[1], item[0]))
+    )
+
+
+def _trunk_words(outcomes: Sequence[Outcome]) -> dict[str, str]:
+    """A sentence or two on each parameter of candidate trunks, from the values."""
+    words = {}
+    for name in dict.fromkeys(one.parameter for one in outcomes):
+        own = [one for one in outcomes if one.parameter == name]
+        default = next(one for one in own if one.default)
+        best, worst = max(own, key=lambda one: (one.found, one.default)), min(own, key=lambda one: one.found)
+        said = [f"{default.found} of {len(default.error)} true trunks with {default.value:g}"]
+        said.append("no value finds more" if best.default else f"the most, {best.found}, with {best.value:g}")
+        if worst.found < default.found:
+            test, count = max(sorted(worst.lost.items()), key=lambda item: item[1])
+            said.append(f"the fewest, {worst.found}, with {worst.value:g} ({count} lost at: {test})")
+        counts = [f"{np.median(one.trunks):.0f} with {one.value:g}" for one in (own[0], own[-1])]
+        words[name] = f"{'; '.join(said)}. Median trunks of a shape of the run: {', '.join(counts)}."
+    return words
+
+
+def _order_words(orders: Sequence[Order]) -> dict[str, str]:
+    """A sentence on each sigma that was varied, from the values."""
+    words = {}
+    for name in dict.fromkeys(one.parameter for one in orders):
+        others = [one for one in orders if one.parameter == name and not one.default]
+        if others:
+            worst = min(others, key=lambda one: one.kendall)
+            words[name] = (
+                f"The order stays to a Kendall's τ of {worst.kendall:.2f} at least (with {worst.value:g}, which keeps "
+                f"{worst.kept:.0%} of the best tenth)."
+            )
+    return words
+
+
+def _series(rows: Sequence[Row], measure: Callable[[Row], float]) -> dict[str, tuple[list[float], list[float]]]:
+    """By parameter: its values over the default's, and a measure."""
+    found: dict[str, tuple[list[float], list[float]]] = {}
+    for name in dict.fromkeys(one.parameter for one in rows):
+        own = [one for one in rows if one.parameter == name]
+        default = next(one.value for one in own if one.default)
+        found[SYMBOLS[name]] = [one.value / default for one in own], [measure(one) for one in own]
+    return found
+
+
+def _lines(series: Mapping[str, tuple[list[float], list[float]]], y: str, logarithmic: bool = False) -> Figure:
+    figure, found = plots.axes("value / the run's own", y)
+    for number, (name, (factors, values)) in enumerate(series.items()):
+        found.plot(factors, values, "o-", color=COLOURS[number], markersize=4.0, linewidth=1.6, label=name)
+    found.axvline(1.0, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
+    found.set_xscale("log", base=2)
+    found.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    if logarithmic:
+        found.set_yscale("log")
+    else:
+        found.set_ylim(bottom=0.0)
+    found.legend(frameon=False)
+    return figure
+
+
+def _table(outcomes: Sequence[Outcome], orders: Sequence[Order]) -> pa.Table:
+    rows: list[Outcome | Order] = [*outcomes, *orders]
+
+    def trunk(name: str, kind: pa.DataType, meaning: str, unit: str, value: Callable[[Outcome], Any]) -> Any:
+        return column(name, kind, meaning, unit), [*map(value, outcomes), *([None] * len(orders))]
+
+    def order(name: str, meaning: str, value: Callable[[Order], float]) -> Any:
+        return column(name, pa.float64(), meaning, "1"), [*([None] * len(outcomes)), *map(value, orders)]
+
+    return of_columns(
+        "One parameter at a time: what it does to candidate trunks, or to the order by S_r; null = not concerned.",
+        [
+            (column("parameter", pa.string(), "parameter that is varied; spacing is L_c / d_space"),
+             [one.parameter for one in rows]),
+            (column("value", pa.float64(), "its value"), [one.value for one in rows]),
+            (column("default", pa.bool_(), "whether it is the run's own"), [one.default for one in rows]),
+            trunk("hidden", pa.int32(), "shapes of exact pairs", "count", lambda one: len(one.error)),
+            trunk("found", pa.int32(), "of these, with a candidate trunk near the true one", "count",
+                  lambda one: one.found),
+            trunk("error", pa.float64(), "mean distance, at its worst corner, of the nearest trunk from the true one",
+                  "L_c = 2*sqrt(pi)", lambda one: one.mean_error),
+            trunk("without", pa.int32(), "of these, without a trunk of as many corners", "count",
+                  lambda one: int(np.isinf(one.error).sum())),
+            trunk("lost_at", pa.string(), "tests that leave nothing near a true trunk, and how often", "", _lost),
+            trunk("trunks_median", pa.float64(), "candidate trunks of a shape of the run, median", "count",
+                  lambda one: float(np.median(one.trunks))),
+            trunk("trunks_mean", pa.float64(), "candidate trunks of a shape of the run, mean", "count",
+                  lambda one: float(one.trunks.mean())),
+            order("kendall", "Kendall's tau of S_r with that of the run's own sigmas", lambda one: one.kendall),
+            order("kept", "share of the best tenth by S_r that stays there", lambda one: one.kept),
+        ],
+    )  # fmt: skip

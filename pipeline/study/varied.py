@@ -1,0 +1,106 @@
+"""What becomes of true trunks, and what candidate trunks cost, when one parameter of them is varied. Ours."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.study.hidden import NEAR, Hidden, failed_test
+from riot.parameters import L_C, TrunkParameters
+from riot.shape import FloatArray, IntArray, Shape
+from riot.trunks import Trunks, full_trunks
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What one value of one parameter gives.
+
+    Parameters
+    ----------
+    parameter : str
+        A field of `riot.parameters.TrunkParameters`.
+    value : float
+    default : bool
+        Whether it is the run's own.
+    error : (h,) float64
+        Of every hidden shape how far the nearest candidate trunk is from the true one, at its worst corner, in units of
+        ``L_c``; inf if there is none of that many corners.
+    lost : Counter
+        The tests after which nothing near the true trunk is left, by how many hidden shapes they cost.
+    trunks : (s,) int64
+        Candidate trunks of each shape of the sample.
+    seconds : float
+        CPU time of the candidate trunks of one shape, the mean over both. It varies from run to run.
+    """
+
+    parameter: str
+    value: float
+    default: bool
+    error: FloatArray
+    lost: Counter[str]
+    trunks: IntArray
+    seconds: float
+
+    @property
+    def found(self) -> int:
+        """How many hidden shapes have a candidate trunk near the true one."""
+        return int((self.error <= NEAR / L_C).sum())
+
+    @property
+    def mean_error(self) -> float:
+        """Mean ``error`` of the hidden shapes that have one; nan without any."""
+        known = self.error[np.isfinite(self.error)]
+        return float(known.mean()) if len(known) else math.nan
+
+
+def vary(
+    hidden: Sequence[Hidden],
+    shapes: Sequence[Shape],
+    default: TrunkParameters,
+    values: Mapping[str, Sequence[float]],
+    say: Callable[[str], None],
+) -> Iterator[Outcome]:
+    """Outcomes by parameter and rising value, the default's among them; all other parameters are the default's."""
+    # The default is one outcome for all parameters, so that what they are compared with is the same.
+    say("candidate trunks by the run's own parameters …")
+    common = _outcome(hidden, shapes, default)
+    for name, chosen in values.items():
+        own = float(getattr(default, name))
+        for value in sorted({*chosen, own}):
+            if value == own:
+                yield replace(common, parameter=name, value=value, default=True)
+            else:
+                say(f"candidate trunks with {name}={value:g} …")
+                changed = replace(default, **{name: value})  # type: ignore[arg-type]  # only floats are varied
+                yield replace(_outcome(hidden, shapes, changed), parameter=name, value=value)
+
+
+def _outcome(hidden: Sequence[Hidden], shapes: Sequence[Shape], parameters: TrunkParameters) -> Outcome:
+    begun = time.process_time()
+    found = [full_trunks(one.shape, parameters) for one in hidden]
+    others = [full_trunks(shape, parameters) for shape in shapes]
+    seconds = (time.process_time() - begun) / (len(hidden) + len(shapes))
+    error = np.array([nearest(one, trunks) for one, trunks in zip(hidden, found, strict=True)]) / L_C
+    lost = Counter(failed_test(one, trunks, False, parameters) for one, trunks in zip(hidden, found, strict=True))
+    del lost[""]
+    return Outcome("", math.nan, False, error, lost, np.array([len(trunks) for trunks in others]), seconds)
+
+
+def nearest(hidden: Hidden, trunks: Trunks) -> float:
+    """The least distance, over trunks of as many corners, of the corner that is farthest from its true place.
+
+    In the unit-area frame; inf without such trunks.
+    """
+    n = len(hidden.corners)
+    chosen = trunks.vertices.reshape(-1)[np.repeat(trunks.sizes == n, trunks.sizes)].reshape(-1, n)
+    corners = hidden.shape.points[chosen]
+    turned = [np.roll(hidden.corners, shift, axis=0) for shift in range(n)]
+    return min(
+        (float(np.hypot(*np.moveaxis(corners - true, 2, 0)).max(axis=1).min(initial=math.inf)) for true in turned),
+        default=math.inf,
+    )
