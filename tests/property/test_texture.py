@@ -206,7 +206,7 @@ def test_a_picture_without_transparency_needs_its_mask(tmp_path: Path) -> None:
     assert found.shape == wanted.shape
     # All of the picture is the object, its rim carried outwards; of the white background nothing is left.
     assert np.abs(found - wanted).mean() < 6.0 and found.min(axis=2).max() < 215.0
-    with pytest.raises(TextureError, match="200 × 200 pixels, its mask .* 100 × 100") as small:
+    with pytest.raises(TextureError, match=r"200 × 200 pixels, its mask .* 100 × 100") as small:
         load_picture(tmp_path / "photo.jpg", shape, tmp_path / "small.png")
     assert small.value.reason == "other-size"
     with pytest.raises(TextureError, match=r"other\.png: its object") as other:
