@@ -39,7 +39,7 @@ class Sheet:
 class Findings:
     """A study's outcome: a sentence or two, the table of all its values, and what the page shows.
 
-    ``figures`` are by file name without suffix, each with its caption.
+    ``figures`` are by file name without suffix, each with its caption; ``files`` by name, to lie beside the page.
     """
 
     title: str
@@ -47,6 +47,7 @@ class Findings:
     table: pa.Table
     sheets: Sequence[Sheet] = ()
     figures: Mapping[str, tuple[Figure, str]] = field(default_factory=dict)
+    files: Mapping[str, bytes] = field(default_factory=dict)
 
 
 def column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
@@ -61,7 +62,7 @@ def of_columns(meaning: str, columns: Sequence[tuple[pa.Field, Any]]) -> pa.Tabl
 
 
 def write_findings(found: Findings, folder: Path) -> Path:
-    """Write the table, every figure as PNG and SVG, and the page, whose path is returned.
+    """Write the table, every figure as PNG and SVG, the other files, and the page, whose path is returned.
 
     The same findings give the same bytes.
     """
@@ -69,6 +70,8 @@ def write_findings(found: Findings, folder: Path) -> Path:
     stream = io.BytesIO()
     pq.write_table(found.table, stream)
     write_atomically(folder / TABLE, stream.getvalue())
+    for name, content in found.files.items():
+        write_atomically(folder / name, content)
     shown = []
     for name, (figure, caption) in found.figures.items():
         drawn = svg(figure, name)
@@ -97,9 +100,10 @@ def svg(figure: Figure, name: str) -> bytes:
 def _picture(drawn: bytes, caption: str) -> str:
     # As an image of its own, the ids of one figure do not meet those of another.
     data = base64.b64encode(drawn).decode()
+    said, style = escape(caption), "display:block;width:100%"
     return (
-        f'<figure class="plot"><img alt="" style="display:block;width:100%" src="data:image/svg+xml;base64,{data}">'
-        f"<figcaption>{escape(caption)}</figcaption></figure>"
+        f'<figure class="plot"><img alt="{said}" style="{style}" src="data:image/svg+xml;base64,{data}">'
+        f"<figcaption>{said}</figcaption></figure>"
     )
 
 

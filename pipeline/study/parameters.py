@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 
 from pipeline.errors import ConfigError
 from pipeline.study import plots
-from pipeline.study.beside import write_beside
 from pipeline.study.findings import Findings, Sheet, column, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.groundtruth import PIECES
@@ -93,11 +92,11 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     sample = [finished.shapes[k] for k in np.sort(rng.permutation(count)[: parameters.shapes]).tolist()]
     values = {name: getattr(parameters, name) for name in TRUNKS}
     outcomes = list(vary(hidden, sample, finished.config.trunks, values, say))
-    write_beside(finished, "parameters", TIMES, _times(outcomes, say))
+    times = _times(outcomes, say)
     s1, s2 = (finished.values("reversibility", name) for name in ("s1", "s2"))
     own = {name: float(getattr(finished.config.reversibility, name)) for name in SIGMAS}
     found = list(orders(s1, s2, own, {name: getattr(parameters, name) for name in SIGMAS}))
-    return _findings(finished, parameters, outcomes, found)
+    return replace(_findings(finished, parameters, outcomes, found), files={TIMES: times})
 
 
 def _times(outcomes: Sequence[Outcome], say: Callable[[str], None]) -> bytes:

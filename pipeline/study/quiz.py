@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pyarrow as pa
@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from pipeline.errors import ConfigError, StartError
 from pipeline.study import plots
-from pipeline.study.beside import write_beside
 from pipeline.study.findings import Findings, Sheet, column, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.partners import Partners
@@ -55,7 +54,7 @@ class Parameters:
 
 
 def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
-    """Choose the pairs, let the scores answer, and write the sheet, `QUIZ`, beside the study's page."""
+    """Choose the pairs, let the scores answer, and make the sheet, `QUIZ`, that goes beside the study's page."""
     say(f"choosing {parameters.pairs} pairs …")
     partners = Partners(finished.shapes, finished.config.trunks, finished.config.refine, finished.config.crs)
     pairs = choose(finished, partners, parameters.pairs, parameters.margin, np.random.default_rng(parameters.seed))
@@ -70,8 +69,8 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     )
     transforms = {pair.file: _transform(finished, pair.file) for pair in pairs if pair.file}
     page = quiz_page(finished, pairs, transforms, reversible, answers)
-    write_beside(finished, "quiz", QUIZ, page.encode())
-    return _findings(finished, parameters, pairs, reversible, answers)
+    found = _findings(finished, parameters, pairs, reversible, answers)
+    return replace(found, files={QUIZ: page.encode()})
 
 
 def right_answers(pairs: Sequence[Pair], scores: Sequence[float], threshold: float) -> int:

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.errors import ConfigError
-from pipeline.study.findings import svg
+from pipeline.study.findings import svg, write_findings
 from pipeline.study.hidden import NEAR, Hidden, failed_test, hide
 from pipeline.study.ordering import orders, reordered
 from pipeline.study.parameters import TIMES, Parameters, study
@@ -127,7 +127,8 @@ def test_all_but_the_times_is_the_same_again(tmp_path: Path, hidden: Sequence[Hi
     assert (found.lead, found.sheets) == (again.lead, again.sheets)
     assert svg(found.figures["recovery"][0], "recovery") == svg(again.figures["recovery"][0], "recovery")
     table = found.table.to_pylist()
-    times = pq.read_table(tmp_path / "study" / "parameters" / TIMES).to_pylist()
+    write_findings(found, tmp_path / "study")
+    times = pq.read_table(tmp_path / "study" / TIMES).to_pylist()
     assert [(row["parameter"], row["value"]) for row in times] == [
         (row["parameter"], row["value"]) for row in table if row["found"] is not None
     ]
