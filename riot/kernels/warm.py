@@ -16,17 +16,25 @@ def warm_all(report: Callable[[str], None]) -> None:
 
     Numba keeps what it compiled beside the modules, so this takes long only once after installation or a change.
     """
-    names = [module.name for module in pkgutil.iter_modules(riot.kernels.__path__)]
-    cache = Path(riot.kernels.__path__[0]) / "__pycache__"
-    missing = [name for name in names if _has_kernels(name) and not list(cache.glob(f"{name}.*.nbi"))]
+    missing = uncompiled()
     if missing:
         report(f"compiling the numeric kernels for this machine, once, about a minute: {', '.join(missing)}")
     start = time.perf_counter()
-    for name in names:
-        if _has_kernels(name):
-            importlib.import_module(f"riot.kernels.{name}").warm()
+    for name in _modules():
+        importlib.import_module(f"riot.kernels.{name}").warm()
     if missing:
         report(f"kernels compiled in {time.perf_counter() - start:.0f} s")
+
+
+def uncompiled() -> list[str]:
+    """Names of the modules none of whose kernels is in the cache."""
+    cache = Path(riot.kernels.__path__[0]) / "__pycache__"
+    return [name for name in _modules() if not list(cache.glob(f"{name}.*.nbi"))]
+
+
+def _modules() -> list[str]:
+    names = [module.name for module in pkgutil.iter_modules(riot.kernels.__path__)]
+    return [name for name in names if _has_kernels(name)]
 
 
 def _has_kernels(name: str) -> bool:
