@@ -198,18 +198,29 @@ def browser():
     if CHROMIUM is None:
         pytest.skip("there is no Chromium on this machine")
     with api.sync_playwright() as started:
-        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"], timeout=0)
         yield found
         found.close()
 
 
+READY = "domcontentloaded"
+"""When the script has run; pictures may still come."""
+
+
+def new_page(browser):
+    """A page as wide as a phone, without limits of time: machines may be busy, and the suite has a limit of its own."""
+    page = browser.new_page(viewport={"width": 390, "height": 844})
+    page.set_default_timeout(0)
+    return page
+
+
 @pytest.fixture
 def tab(browser, many):
-    page = browser.new_page(viewport={"width": 390, "height": 844})
+    page = new_page(browser)
     wrong = []
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("request", lambda request: wrong.append(request.url) if not request.url.startswith("file:") else None)
-    page.goto((many / INDEX).as_uri())
+    page.goto((many / INDEX).as_uri(), wait_until=READY)
     yield page
     page.close()
     assert not wrong
@@ -240,7 +251,7 @@ def test_filters_show_what_passes_all_of_them(tab, rows):
     )
     assert visible(tab) == found and 0 < len(found) < MANY
     assert tab.inner_text(".shown") == f"{len(found)} of {MANY} transforms"
-    tab.reload()  # what was chosen is in the address
+    tab.reload(wait_until=READY)  # what was chosen is in the address
     assert visible(tab) == found
     tab.click("[type=reset]")
     tab.check("[name=puzzle]")
@@ -284,20 +295,21 @@ def test_keys_lead_through_the_gallery(tab, rows, many):
     opened = page_name(rows[found[0] - 1])
     shutil.copy(many / page_name(rows[0]), many / opened)
     tab.keyboard.press("Enter")
-    tab.wait_for_url(f"**/{opened}")
+    tab.wait_for_url(f"**/{opened}", wait_until=READY)
     tab.keyboard.press("Escape")
-    tab.wait_for_url(f"**/{INDEX}")
+    tab.wait_for_url(f"**/{INDEX}*", wait_until=READY)
 
 
 def test_pictures_out_of_sight_are_not_loaded(tab):
+    tab.wait_for_function("document.images[0].complete")
     loaded = tab.evaluate("[...document.images].filter(one => one.complete && one.naturalWidth).length")
     assert 0 < loaded < MANY / 4
 
 
 def test_without_script_there_is_a_list_and_no_form(browser, many):
-    page = browser.new_page()
+    page = new_page(browser)
     page.route(f"**/{SCRIPT}", lambda route: route.abort())
-    page.goto((many / INDEX).as_uri())
+    page.goto((many / INDEX).as_uri(), wait_until=READY)
     assert page.locator(".grid li:visible").count() == MANY
     assert not page.locator(".controls").is_visible()
     page.close()
