@@ -37,7 +37,7 @@ from pipeline.plan import (
     plan_shortlist,
 )
 from pipeline.quarantine import bring_shapes
-from pipeline.record import RECORD, REPORT, holds, outcome_digest, write_record
+from pipeline.record import GALLERY, RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results, certified, least_deformed
 from riot.shape import FloatArray
 
@@ -119,7 +119,8 @@ def _run(config: Config, collection: Collection, listen: Listener) -> Outcome:
     if report is None:
         code = WITH_ERRORS
     else:
-        files = [*files, report]
+        gallery = sorted(path for path in (folder / GALLERY).rglob("*") if path.is_file())
+        files = [*files, report, *gallery]
     times["seconds"] = time.perf_counter() - clock
     write_record(folder, results, digest, files, code, times)
     return Outcome(code, folder, report, True, time.perf_counter() - clock, results)

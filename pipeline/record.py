@@ -20,6 +20,7 @@ from riot.texture.names import SIDES
 RECORD = "run.json"
 ARTIFACTS = "artifacts.json"
 REPORT = "report.html"
+GALLERY = "gallery"
 FORMAT = "riot-run"
 VERSION = 1
 SHOWING = ("pipeline.write", "pipeline.report")

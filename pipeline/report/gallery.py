@@ -13,9 +13,6 @@ from pipeline.report.rows import TransformRow
 from pipeline.report.thumb import HEIGHT, WIDTH
 from riot.draw.svg import escape
 
-GALLERY = "gallery"
-"""Folder of the gallery in the folder of a run."""
-
 INDEX, STYLE, SCRIPT = "index.html", "style.css", "gallery.js"
 REPORT = "../report.html"
 

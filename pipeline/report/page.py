@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from pipeline.record import GALLERY
 from pipeline.remarks import remarks, several
 from pipeline.report.beside import beside
 from pipeline.report.card import Card
-from pipeline.report.gallery import GALLERY, INDEX
+from pipeline.report.gallery import INDEX
 from pipeline.report.histogram import figure
 from pipeline.report.markup import (
     NOTHING,

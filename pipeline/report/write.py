@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.outputs import new_place, replace_folder
+from pipeline.record import GALLERY
 from pipeline.report.card import Card, card
-from pipeline.report.gallery import GALLERY, INDEX, SCRIPT, STYLE, index, page_name, thumb_name
+from pipeline.report.gallery import INDEX, SCRIPT, STYLE, index, page_name, thumb_name
 from pipeline.report.gallery_style import gallery_style
 from pipeline.report.page import SHOWN_CARDS, dataset_name, page
 from pipeline.report.rows import TransformRow, read_run

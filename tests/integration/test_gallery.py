@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from html_page import Page
 
+from pipeline.record import GALLERY
 from pipeline.report import write_report
-from pipeline.report.gallery import GALLERY, INDEX, ORDERS, SCRIPT, STYLE, index, page_name, thumb_name
+from pipeline.report.gallery import INDEX, ORDERS, SCRIPT, STYLE, index, page_name, thumb_name
 from pipeline.report.gallery_style import gallery_style
 from pipeline.report.page import SHOWN_CARDS
 from pipeline.report.rows import read_run
