@@ -1,4 +1,7 @@
-"""The real pipeline in its own process: tables, resuming, sameness on every cluster, bad input, exit codes."""
+"""The real pipeline: tables, resuming, sameness on every cluster, bad input, sweeps, exit codes.
+
+In processes of its own where that matters, else in this one, which saves the start.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,6 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 from collections import Counter
 from pathlib import Path
 
@@ -26,34 +28,15 @@ from small_runs import (
     draw,
     pictures,
     run,
+    run_here,
     stages,
     table,
 )
 
+from pipeline.run import main
 from pipeline.store import PAYLOAD
 from pipeline.tables import SCHEMAS
 from riot.transform import Transform
-
-
-@pytest.fixture(scope="module")
-def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return pictures(tmp_path_factory.mktemp("pictures"))
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory, root: Path) -> Path:
-    """A finished run on ``cluster=sync``; tests copy it before they change anything."""
-    where = tmp_path_factory.mktemp("sync")
-    done = run(where, root, "cluster=sync")
-    assert done.returncode == CLEAN, done.stdout + done.stderr
-    assert "Report:" in done.stdout and "Time per stage" in done.stdout and "Best transforms" in done.stdout
-    return where
-
-
-@pytest.fixture
-def copied(finished: Path, tmp_path: Path) -> Path:
-    shutil.copytree(finished, tmp_path / "copy")
-    return tmp_path / "copy"
 
 
 def test_tables_are_whole_and_documented(finished: Path) -> None:
@@ -119,16 +102,16 @@ def test_two_workers_write_the_same_bytes(finished: Path, root: Path, tmp_path: 
 def test_a_finished_run_computes_nothing_and_says_so(copied: Path, root: Path) -> None:
     folder = copied / "outputs" / "folder"
     before = {file: file.stat().st_mtime_ns for file in folder.rglob("*")}
-    done = run(copied, root, "cluster=sync")
+    done = run_here(copied, root, "cluster=sync")
     assert done.returncode == CLEAN and "Everything cached: nothing was computed" in done.stdout
     assert {file: file.stat().st_mtime_ns for file in folder.rglob("*")} == before
-    plan = run(copied, root, "--plan")
+    plan = run_here(copied, root, "--plan")
     assert plan.returncode == CLEAN and "nothing was run" in plan.stdout
 
 
 def test_lost_tables_are_written_again_from_the_store(copied: Path, finished: Path, root: Path) -> None:
     (copied / "outputs" / "folder" / "crs.parquet").unlink()
-    done = run(copied, root, "cluster=sync")
+    done = run_here(copied, root, "cluster=sync")
     assert done.returncode == CLEAN and "nothing was computed" in done.stdout
     assert digests(copied) == digests(finished)
     assert all(stage["computed"] == 0 for stage in stages(copied).values())
@@ -138,7 +121,7 @@ def test_a_place_changes_nothing(finished: Path, root: Path, tmp_path: Path) -> 
     """The same pictures elsewhere: everything is found in the store, and the tables are the same to the byte."""
     moved = Path(shutil.copytree(root, tmp_path / "moved pictures"))
     shutil.copytree(finished / "store", tmp_path / "store")
-    done = run(tmp_path, moved, "cluster=sync")
+    done = run_here(tmp_path, moved, "cluster=sync")
     assert done.returncode == CLEAN and "nothing was computed" in done.stdout
     assert digests(tmp_path) == digests(finished)
 
@@ -146,7 +129,7 @@ def test_a_place_changes_nothing(finished: Path, root: Path, tmp_path: Path) -> 
 def test_one_more_picture_costs_its_own_batch_and_blocks(copied: Path, root: Path, tmp_path: Path) -> None:
     grown = Path(shutil.copytree(root, tmp_path / "grown"))
     draw(grown / "kind9-99.png", 99)
-    done = run(copied, grown, "cluster=sync")
+    done = run_here(copied, grown, "cluster=sync")
     assert done.returncode == CLEAN
     counts = stages(copied)
     assert counts["ingest"]["computed"] <= 2 and counts["ingest"]["cached"] >= 1
@@ -155,11 +138,11 @@ def test_one_more_picture_costs_its_own_batch_and_blocks(copied: Path, root: Pat
 
 
 def test_a_parameter_redoes_what_reads_it_and_explains(copied: Path, root: Path) -> None:
-    explained = run(copied, root, "crs.sigma_area=0.25", "compare=1", "--explain")
+    explained = run_here(copied, root, "crs.sigma_area=0.25", "compare=1", "--explain")
     assert explained.returncode == CLEAN
     assert "crs: 6 of 6 to do" in explained.stdout and "parameters.crs.sigma_area 0.3 → 0.25" in explained.stdout
     assert "qcrs: all" in explained.stdout and "paper: known after construction" in explained.stdout
-    done = run(copied, root, "crs.sigma_area=0.25", "compare=1", "cluster=sync")
+    done = run_here(copied, root, "crs.sigma_area=0.25", "compare=1", "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     counts = stages(copied)
     assert counts["qcrs"]["computed"] == 0 and counts["trunks_full"]["computed"] == 0 and counts["crs"]["computed"] == 6
@@ -173,9 +156,9 @@ def test_a_parameter_redoes_what_reads_it_and_explains(copied: Path, root: Path)
 
 def test_the_best_transforms_become_puzzles(copied: Path, root: Path) -> None:
     folder, wanted = copied / "outputs" / "folder", ("fabricate.top=1", "fabricate.size_mm=200", "fabricate.fix=true")
-    explained = run(copied, root, *wanted, "--explain")
+    explained = run_here(copied, root, *wanted, "--explain")
     assert explained.returncode == CLEAN and "fabricate: 1 of 1 to do" in explained.stdout
-    done = run(copied, root, *wanted, "cluster=sync")
+    done = run_here(copied, root, *wanted, "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     counts = stages(copied)
     assert counts["motion"]["computed"] == 0 and counts["fabricate"]["computed"] == 1
@@ -187,7 +170,7 @@ def test_the_best_transforms_become_puzzles(copied: Path, root: Path) -> None:
     assert {"piece-1.stl", "plate-1.3mf", "parts.json"} <= printed
     assert '<section id="puzzles">' in (folder / "report.html").read_text()
     # Without puzzles the run is as it was before, and none of theirs is left.
-    assert run(copied, root, "cluster=sync").returncode == CLEAN
+    assert run_here(copied, root, "cluster=sync").returncode == CLEAN
     assert not list((folder / "print").iterdir()) and table(copied, "fabrications") == []
 
 
@@ -196,7 +179,7 @@ def test_a_damaged_artifact_is_made_again(copied: Path, finished: Path, root: Pa
     raw = bytearray(payload.read_bytes())
     raw[-1] ^= 255
     payload.write_bytes(raw)
-    done = run(copied, root, "cluster=sync")
+    done = run_here(copied, root, "cluster=sync")
     assert done.returncode == CLEAN and "trunks: 1 damaged" in done.stdout and "corrupt" in done.stdout
     assert re.search(r"^trunks +\d+ cached, 1 computed", done.stdout, re.MULTILINE)
     assert payload.read_bytes() != bytes(raw) and digests(copied) == digests(finished)
@@ -213,7 +196,7 @@ def test_a_killed_run_goes_on_where_it_was(after: str, finished: Path, root: Pat
                 break
         process.kill()
     assert not (tmp_path / "outputs" / "folder" / "run.json").exists()
-    done = run(tmp_path, root, "cluster=sync")
+    done = run_here(tmp_path, root, "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     assert stages(tmp_path)[after]["computed"] == 0
     assert digests(tmp_path) == digests(finished)
@@ -254,7 +237,7 @@ def test_bad_pictures_are_rows_and_the_run_goes_on(root: Path, tmp_path: Path) -
     (folder / "blank-1.png").touch()
     Image.fromarray(np.array([[0, 255, 255, 0]] * 2, dtype=np.uint8)).save(folder / "border-1.png")
     (folder / "gone-1.png").symlink_to(folder / "nothing.png")
-    done = run(tmp_path, folder, "cluster=sync")
+    done = run_here(tmp_path, folder, "cluster=sync")
     assert done.returncode == WITH_ERRORS, done.stdout + done.stderr
     errors = {row["item"]: row for row in table(tmp_path, "errors")}
     reasons = {"text-1": "not-a-picture", "cut-1": "unreadable", "plain-1": "one-colour", "dot-1": "one-colour"}
@@ -267,7 +250,7 @@ def test_bad_pictures_are_rows_and_the_run_goes_on(root: Path, tmp_path: Path) -
     assert len(names) == SHAPES + 1 and names["mit Leerzeichen é-1"] == "mit Leerzeichen é-1.png"
     qcrs = pq.read_table(tmp_path / "outputs" / "folder" / "qcrs")
     assert len(qcrs) == (SHAPES + 1) * SHAPES // 2
-    again = run(tmp_path, folder, "cluster=sync")
+    again = run_here(tmp_path, folder, "cluster=sync")
     assert again.returncode == WITH_ERRORS and "nothing was computed" in again.stdout
 
 
@@ -287,7 +270,7 @@ def test_odd_shapes_are_shapes_and_those_without_trunks_are_counted(root: Path, 
         [(200 + x, 200 + y) for x, y in zip(reach * np.cos(turn), reach * np.sin(turn), strict=True)], 255, width=12
     )
     spiral.save(folder / "spiral-1.png")
-    done = run(tmp_path, folder, "cluster=sync")
+    done = run_here(tmp_path, folder, "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     trunks = {str(row["name"]): row["trunks"] for row in table(tmp_path, "shapes")}
     assert trunks.keys() == {"blobs-1", "kind0-0", "kind1-1", "needle-1", "spiral-1"}
@@ -307,7 +290,7 @@ def test_shapes_of_one_class_make_no_pair_and_that_is_said(tmp_path: Path) -> No
     for number in range(3):
         draw(folder / f"{number}.png", number)
     for policy in ("global", "paper"):
-        done = run(tmp_path, folder.parent, "cluster=sync", f"select.policy={policy}")
+        done = run_here(tmp_path, folder.parent, "cluster=sync", f"select.policy={policy}")
         assert done.returncode == CLEAN, done.stdout + done.stderr
         assert f"No pair was selected: select.policy={policy}" in done.stdout
     assert table(tmp_path, "transforms") == []
@@ -317,7 +300,7 @@ def test_a_collection_without_one_shape_still_ends_well(tmp_path: Path) -> None:
     folder = tmp_path / "pictures"
     folder.mkdir()
     (folder / "text-1.png").write_text("this is no picture")
-    done = run(tmp_path, folder, "cluster=sync")
+    done = run_here(tmp_path, folder, "cluster=sync")
     assert done.returncode == WITH_ERRORS, done.stdout + done.stderr
     assert table(tmp_path, "shapes") == [] and len(table(tmp_path, "errors")) == 1
 
@@ -338,40 +321,22 @@ def test_a_collection_without_one_shape_still_ends_well(tmp_path: Path) -> None:
         (["dataset.root={empty}"], ["+dataset=folder"]),
     ],
 )
-def test_what_cannot_start_says_why_and_does_nothing(arguments: list[str], words: list[str], tmp_path: Path) -> None:
-    empty, file = tmp_path / "empty", tmp_path / "file"
+def test_what_cannot_start_says_why_and_does_nothing(
+    arguments: list[str],
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    empty, file, where = tmp_path / "empty", tmp_path / "file", tmp_path / "where"
     empty.mkdir()
     file.touch()
-    where = tmp_path / "where"
     where.mkdir()
-    filled = [argument.format(empty=empty, file=file) for argument in arguments]
-    done = subprocess.run(
-        [sys.executable, "-m", "pipeline.run", *filled], capture_output=True, text=True, cwd=where, timeout=120
-    )
-    assert done.returncode == BAD_START, done.stdout + done.stderr
-    assert all(word in done.stderr for word in words) and "Traceback" not in done.stderr
+    monkeypatch.chdir(where)
+    assert main([argument.format(empty=empty, file=file) for argument in arguments]) == BAD_START
+    said = capsys.readouterr().err
+    assert all(word in said for word in words) and "Traceback" not in said
     assert not (where / "store").exists() or not list((where / "store").rglob("*.bin"))
-
-
-def test_a_sweep_shares_what_its_parameters_do_not_touch(copied: Path, root: Path) -> None:
-    before = digests(copied)
-    done = run(copied, root, "cluster=sync", "-m", "construct.method=exact,laplacian")
-    assert done.returncode == CLEAN, done.stdout + done.stderr
-    assert done.stdout.count("Time per stage") == 2
-    points = [f"construct.method={method}" for method in ("exact", "laplacian")]
-    counts = [stages(copied, point) for point in points]
-    assert [one["refine"]["computed"] for one in counts] == [0, 0]
-    assert [one["construct"]["computed"] for one in counts] == [0, 3]
-    # What the paper's method makes is listed as what it is, and gets no motion.
-    folder = copied / "outputs" / points[1] / "folder"
-    approximate = pq.read_table(folder / "transforms.parquet").to_pylist()
-    assert {row["status"] for row in approximate} == {"approximate"} and counts[1]["motion"]["total"] == 0
-    assert all(row["gap_p"] > 0.0 and row["swings_flat"] is None for row in approximate)
-    assert [row["iou"] for row in approximate] == sorted((row["iou"] for row in approximate), reverse=True)
-    made = Transform.load(folder / approximate[0]["file"])
-    assert not made.certificate().passed and made.plan is None
-    assert "3 transforms are approximate" in done.stdout
-    assert digests(copied) == before  # a sweep leaves the plain run's tables alone
 
 
 def test_the_environment_changes_no_result(finished: Path, root: Path, tmp_path: Path) -> None:
