@@ -14,16 +14,11 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
-from small_runs import BAD_START, CLEAN, command, digests, pictures, run, stages
+from small_runs import BAD_START, CLEAN, command, digests, run_here, stages
 
 from pipeline.closure import ROOT
 
-TESTS = Path(__file__).resolve().parent
-
-
-@pytest.fixture(scope="module")
-def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return pictures(tmp_path_factory.mktemp("pictures"))
+COUNTING = Path(__file__).resolve().parent / "counting"
 
 
 @dataclass
@@ -43,9 +38,13 @@ class Deployment:
         return self.folder / "puts"
 
     def start(self, *arguments: str, source: Path = ROOT) -> subprocess.Popen[bytes]:
-        environment = {**os.environ, "PYTHONPATH": str(source), "PUTS": str(self.puts)}
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join([str(source), str(COUNTING)]),
+            "PUTS": str(self.puts),
+        }
         line = [sys.executable, "-m", *arguments, "--scheduler-file", self.file]
-        # In a session of its own, so that a group is killed with its nannies.
+        # In a session of its own, so that a group is killed with its nannies and what works beside its workers.
         process = subprocess.Popen(
             line, cwd=self.folder, env=environment, stderr=subprocess.DEVNULL, start_new_session=True
         )
@@ -54,8 +53,7 @@ class Deployment:
 
     def workers(self, count: int, source: Path = ROOT) -> subprocess.Popen[bytes]:
         options = ("--nworkers", str(count), "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1")
-        preload = ("--preload", str(TESTS / "counting_worker.py"))
-        return self.start("distributed.cli.dask_worker", *options, *preload, source=source)
+        return self.start("distributed.cli.dask_worker", *options, source=source)
 
     def wait_for(self, count: int) -> None:
         with Client(self.address) as client:
@@ -105,7 +103,7 @@ def run_watched(line: list[str], where: Path, at: dict[str, Callable[[], None]])
 
 
 def test_workers_come_and_go_and_the_bytes_are_the_same(
-    deployment: Deployment, other_code: Path, root: Path, tmp_path: Path
+    deployment: Deployment, other_code: Path, finished: Path, root: Path, tmp_path: Path
 ) -> None:
     first = deployment.workers(2)
     deployment.workers(1, other_code)
@@ -117,13 +115,12 @@ def test_workers_come_and_go_and_the_bytes_are_the_same(
 
     where = tmp_path / "external"
     line = command(where, root, "cluster=external", f"cluster.address={deployment.address}")
-    joining = {"ingest": replace_all, "qcrs": lambda: [deployment.workers(1)], "trunks_full": lambda: None}
+    joining = {"ingest": replace_all, "qcrs": lambda: [deployment.workers(1)]}
     code, said = run_watched(line, where, joining)
     assert code == CLEAN, said
     words = " ".join(said.split())  # lines are wrapped
     assert "is refused: other code" in words and "code.riot.trunks" in words and not joining
-    assert run(tmp_path / "sync", root, "cluster=sync").returncode == CLEAN
-    assert digests(where) == digests(tmp_path / "sync")
+    assert digests(where) == digests(finished)
     written = Counter(deployment.puts.read_text().splitlines())
     assert set(written.values()) == {1}  # no finished work item was done again
     counts = Counter(row.split(" ")[0] for row in written)
@@ -135,10 +132,10 @@ def test_a_scheduler_without_workers_that_will_do_is_no_start(
     deployment: Deployment, other_code: Path, root: Path, tmp_path: Path
 ) -> None:
     options = ("cluster=external", f"cluster.address={deployment.address}", "cluster.wait=1")
-    idle = run(tmp_path / "idle", root, *options)
+    idle = run_here(tmp_path / "idle", root, *options)
     assert idle.returncode == BAD_START and "dask worker" in idle.stderr
     deployment.workers(1, other_code)
     deployment.wait_for(1)
-    refused = run(tmp_path / "refused", root, *options)
+    refused = run_here(tmp_path / "refused", root, *options)
     assert refused.returncode == BAD_START and "none of its workers will do" in refused.stderr
     assert "code.riot.trunks" in refused.stderr and not deployment.puts.exists()
