@@ -35,7 +35,7 @@ class Nursery:
 
 @contextlib.contextmanager
 def open_nursery() -> Iterator[Nursery]:
-    """A nursery with the pipeline imported and all kernels loaded."""
+    """A nursery with the pipeline imported, its sources parsed and all kernels loaded."""
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_serve, args=(theirs,))
@@ -51,10 +51,16 @@ def open_nursery() -> Iterator[Nursery]:
 def _serve(connection: Connection) -> None:
     import pipeline.flow
     import pipeline.report
+    from pipeline.closure import code_digests, library_versions
+    from pipeline.record import SHOWING
+    from pipeline.stages import STAGES
     from riot.kernels.warm import warm_all
 
     assert pipeline.flow and pipeline.report
     warm_all(lambda text: None)
+    for module in (*SHOWING, *(stage.module for stage in STAGES)):  # parsed once here, and not in every life
+        code_digests(module)
+        library_versions(module)
     connection.send("loaded")
     while True:
         try:
