@@ -20,6 +20,8 @@ from riot.trunks import Trunks
 CHUNK = 64
 """Trunks of P whose candidates are listed at once, to bound the memory."""
 
+GRID = 1e-12
+
 FIRST_LIMIT = 0.5
 """First try at the distance up to which candidates are listed; any value gives the same result."""
 
@@ -96,7 +98,8 @@ def _overlay_areas(target: FloatArray, arcs: FloatArray, offsets: IntArray) -> t
 
 def _overlay_windings(trunk: shapely.Polygon, regions: list[shapely.Polygon]) -> tuple[float, float, float]:
     """The same where arcs cross their edges: face by face of all outlines, by winding numbers."""
-    outlines = shapely.union_all([trunk.exterior, *(region.exterior for region in regions)])
+    # On a grid: else faces get spikes along each other's edges, and points "inside" them lie on the other side.
+    outlines = shapely.union_all([trunk.exterior, *(region.exterior for region in regions)], grid_size=GRID)
     faces = [face for face in shapely.polygonize([outlines]).geoms if face.area > 0.0]
     inner = np.array([face.representative_point().coords[0] for face in faces])
     windings = np.stack([_winding(np.array(region.exterior.coords), inner) for region in regions])
