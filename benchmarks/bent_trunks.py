@@ -69,7 +69,7 @@ WAYS = {
 
 @dataclass(frozen=True)
 class Bent:
-    """The bound of one pair: of the run's trunks, and after the search in every way; the control's bends' size."""
+    """The bound of one pair: of the run's trunks, and after the search in every way."""
 
     p: str
     q: str
