@@ -13,10 +13,11 @@ import numpy as np
 from measure import least_seconds
 
 from riot.kernels.options import kernel
-from riot.parameters import D_C, QcrsParameters
+from riot.parameters import QcrsParameters
 from riot.quick import BlockScores, TrunkStack
 from riot.shape import FloatArray, IntArray
 from riot.trunks import Trunks
+from riot.units import D_C
 
 CORNER_BYTES = 28
 """Of a trunk's corner in `riot.trunks.Trunks`: vertex, edge, two angles."""

@@ -12,10 +12,11 @@ import numpy as np
 import shapely
 
 from riot.kernels.coverage import swung_arcs
-from riot.parameters import D_C, CrsParameters
+from riot.parameters import CrsParameters
 from riot.polyline import swept_area
 from riot.shape import FloatArray, IntArray, Shape
 from riot.trunks import Trunks
+from riot.units import D_C
 
 CHUNK = 64
 """Trunks of P whose candidates are listed at once, to bound the memory."""

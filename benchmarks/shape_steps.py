@@ -13,11 +13,12 @@ from measure import Timed, each, parts
 from PIL import Image
 from table import Row, row
 
-from riot.parameters import L_C, ReversibilityParameters
+from riot.parameters import ReversibilityParameters
 from riot.reversibility import concave_points, reversibility
 from riot.shape import Shape
 from riot.silhouette import read
 from riot.trunks import Trunks, full_trunks, quick_trunks
+from riot.units import L_C
 
 PROFILED = 12
 """So many items are run once more under a profiler."""

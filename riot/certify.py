@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from riot.parameters import L_C
 from riot.pose import Pose, direction
 from riot.shape import FloatArray
 from riot.transform import Transform
+from riot.units import L_C
 
 AREA_TOLERANCE = 1e-9
 """Greatest overlap, and greatest difference of areas, that a certificate accepts (unit-area shapes)."""

@@ -9,10 +9,11 @@ import numpy as np
 
 from riot.kernels.candidates import TrunkSide, Units, arrange, leaf_pairs, nearest_candidates, piece_areas
 from riot.kernels.coverage import best_area_terms
-from riot.parameters import D_C, CrsParameters
+from riot.parameters import CrsParameters
 from riot.polyline import swept_area
 from riot.shape import FloatArray, IntArray, Shape
 from riot.trunks import Trunks, full_trunks
+from riot.units import D_C
 
 FIRST_ROOM = 64
 """Candidates that are listed at once; any number gives the same result."""

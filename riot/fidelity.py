@@ -21,9 +21,9 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import cKDTree
 
 from riot.kernels.fidelity import warped_difference
-from riot.parameters import L_C
 from riot.polyline import arc_length, at_length
 from riot.shape import FloatArray
+from riot.units import L_C
 
 SCALE = L_C / 150
 """Standard deviation of the smoothing along the boundary: less than the spacing of an input's points (`L_c / 100`)."""

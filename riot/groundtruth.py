@@ -14,12 +14,12 @@ import numpy as np
 import shapely
 
 from riot.errors import ConstructionError
-from riot.parameters import L_C
 from riot.polyline import centroid, edge_lengths, signed_area, simplify, trunk_angles
 from riot.pose import Placement
 from riot.shape import FloatArray, Shape
 from riot.transform import Piece, Transform
 from riot.tree import PlanarTree, embed, random_tree, star, walk
+from riot.units import L_C
 
 Topology = Literal["star", "binary", "random"]
 TOPOLOGIES: tuple[Topology, ...] = ("star", "binary", "random")

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from riot.kernels.leaves import features, gather
-from riot.parameters import D_C, QcrsParameters
+from riot.parameters import QcrsParameters
 from riot.shape import FloatArray, IntArray
+from riot.units import D_C
 
 
 class RaggedTrunks(Protocol):

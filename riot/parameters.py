@@ -13,12 +13,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
-L_C = 2.0 * math.sqrt(math.pi)
-"""Perimeter of the unit-area circle, the unit of boundary lengths."""
-
-D_C = 2.0 / math.sqrt(math.pi)
-"""Diameter of the unit-area circle, the unit of straight distances."""
-
 
 @dataclass(frozen=True)
 class ShapeParameters:

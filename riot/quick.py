@@ -15,9 +15,10 @@ from riot.kernels.leaves import FEATURES, LEAF, WIDE, facing, features, lay_out
 from riot.kernels.pairs import Side, Sigmas, brute_block, mirrored
 from riot.kernels.search import block
 from riot.leaves import gather_leaves
-from riot.parameters import D_C, QCRS_VARIANTS, QcrsParameters, QcrsVariant, TrunkParameters
+from riot.parameters import QCRS_VARIANTS, QcrsParameters, QcrsVariant, TrunkParameters
 from riot.shape import FloatArray, IntArray, Shape
 from riot.trunks import Trunks, compared_trunks
+from riot.units import D_C
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from riot.kernels.segments import find_necks
-from riot.parameters import D_C, L_C, ReversibilityParameters, TrunkParameters
+from riot.parameters import ReversibilityParameters, TrunkParameters
 from riot.polyline import TIE, TOUCH, arc_length, shifted, simplify
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
+from riot.units import D_C, L_C
 
 HALF_DISC = math.pi / 2.0
 """R of the straight side of a half disc, the bulge that a neck of no less ratio cuts off at least."""

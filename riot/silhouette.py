@@ -15,10 +15,11 @@ from skimage.measure import find_contours
 
 from riot import polyline
 from riot.errors import SilhouetteError
-from riot.parameters import L_C, ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.picture import Picture, decode
 from riot.shape import BoolArray, FloatArray, Shape
 from riot.tangle import TangleError, refuse_tangles
+from riot.units import L_C
 
 _FINE_SIDE = 512.0
 """Objects with a greater √area, in pixels, are averaged down: the contour stays finer than the sampling."""

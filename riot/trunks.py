@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.segments import inside_shares
-from riot.parameters import D_C, L_C, QcrsVariant, TrunkParameters
+from riot.parameters import QcrsVariant, TrunkParameters
 from riot.polyline import TIE, TOUCH, arc_length, swept_area
 from riot.reversibility import Reversibility, cut_off, reversibility
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
+from riot.units import D_C, L_C
 from riot.vertices import (
     Congruency,
     congruency,

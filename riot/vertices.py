@@ -9,9 +9,10 @@ import numpy as np
 
 from riot.kernels.congruency import local_turns, longest_congruent
 from riot.kernels.visibility import seen_from
-from riot.parameters import D_C, L_C, TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.polyline import TIE, arc_length, interior_angles, simplify, spread
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
+from riot.units import D_C, L_C
 
 SAMPLE_STEP = L_C / 100
 """Sampling step of the stretches whose Fréchet distance is taken (the paper's boundary spacing)."""

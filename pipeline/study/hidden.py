@@ -15,12 +15,13 @@ from PIL import Image, ImageDraw
 from pipeline.study.waves import deformed
 from riot import groundtruth
 from riot.groundtruth import ExactPair, Topology, exact_pair
-from riot.parameters import D_C, L_C, TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.polyline import arc_length, edge_lengths
 from riot.reversibility import cut_off, reversibility
 from riot.shape import BoolArray, FloatArray, IntArray, Shape
 from riot.silhouette import mask_shape
 from riot.trunks import Trunks, admissible_edges
+from riot.units import D_C, L_C
 from riot.vertices import congruency, convex_points, passes_visibility, sparse_points
 
 SEED = 4711

@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.study.hidden import NEAR, Hidden, failed_test
-from riot.parameters import L_C, TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.shape import FloatArray, IntArray, Shape
 from riot.trunks import Trunks, full_trunks
+from riot.units import L_C
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,9 +19,9 @@ from riot.construct.match import COINCIDENT, OFF_EDGES, DetailParameters, Match
 from riot.construct.tree import joined
 from riot.kernels.detail import collisions, difference, solved
 from riot.kernels.matching import along, at, corresponding
-from riot.parameters import L_C
 from riot.polyline import simplify_open
 from riot.shape import BoolArray, FloatArray, IntArray
+from riot.units import L_C
 
 ROUNDS = 8
 """How often the tree is drawn back towards the middle lines, each time over twice the length, before they stay."""

@@ -13,8 +13,9 @@ from riot.construct.mesh import mesh_convex
 from riot.construct.partition import label_cells
 from riot.construct.tree import TreeArc, cell_walks, dissection_tree, joined
 from riot.errors import ConstructionError
-from riot.parameters import L_C, ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.shape import FloatArray, IntArray
+from riot.units import L_C
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,12 @@ from riot.construct.partition import require_contact
 from riot.construct.pinning import pinned_paths
 from riot.construct.pins import Pins
 from riot.errors import ConstructionError
-from riot.parameters import L_C, ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.polyline import edge_lengths, trunk_angles
 from riot.pose import Placement, rotate
 from riot.shape import FloatArray, IntArray
 from riot.transform import Piece, Transform
+from riot.units import L_C
 
 if TYPE_CHECKING:
     from riot.construct.plan import Plan

@@ -7,9 +7,9 @@ import numpy.typing as npt
 
 from riot.construct.plan import TrunkPair
 from riot.errors import TrunkError
-from riot.parameters import D_C
 from riot.polyline import arc_length
 from riot.shape import FloatArray, IntArray, Shape
+from riot.units import D_C
 
 MERGE = 1e-9
 """Boundary points closer than this along the outline are one."""

@@ -15,9 +15,9 @@ import numpy as np
 
 from riot.construct.tree import TreeArc, cell_walks, joined
 from riot.kernels.matching import along, at, corresponding, merged, turnings
-from riot.parameters import L_C
 from riot.polyline import simplify_open
 from riot.shape import BoolArray, FloatArray, IntArray
+from riot.units import L_C
 
 
 @dataclass(frozen=True)

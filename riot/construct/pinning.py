@@ -15,8 +15,8 @@ from riot.construct.match import LEAF, Match, match_tree
 from riot.construct.pins import Pin
 from riot.errors import ConstructionError
 from riot.kernels.matching import along, at
-from riot.parameters import D_C, L_C
 from riot.shape import FloatArray
+from riot.units import D_C, L_C
 
 TOLERANCE = 1e-4 * L_C
 """A pinned stretch is met to this distance, but within `LEAF` of a hinge, which the outline meets straight."""

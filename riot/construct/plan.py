@@ -10,9 +10,10 @@ import numpy as np
 from riot.construct.conjugate import is_convex, make_conjugate
 from riot.errors import ConstructionError
 from riot.kernels.change import feet, least_changes, placed_arcs
-from riot.parameters import L_C, RefineParameters
+from riot.parameters import RefineParameters
 from riot.polyline import arc_length
 from riot.shape import FloatArray, IntArray, Shape
+from riot.units import L_C
 
 Sides = tuple[FloatArray, IntArray, FloatArray, IntArray]
 """Outline and windows of P, of Q, as `riot.kernels.change.least_changes` reads them."""

@@ -16,8 +16,9 @@ from riot.construct.conjugate import TOLERANCE, is_convex
 from riot.construct.plan import Plan, feet_of, plan_on
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, quasi_newton, tangential
-from riot.parameters import D_C, RefineParameters
+from riot.parameters import RefineParameters
 from riot.shape import FloatArray
+from riot.units import D_C
 
 SHARPNESS = (60.0, 240.0)
 """The stand-in for the lesser of two bounds is −log(Σ exp(−s b)) / s, first with the first s, then with the second."""

@@ -19,10 +19,11 @@ from pipeline.study.hidden import NEAR, Hidden, failed_test, hide
 from pipeline.study.ordering import orders, reordered
 from pipeline.study.parameters import TIMES, Parameters, study
 from pipeline.study.varied import nearest, vary
-from riot.parameters import L_C, ReversibilityParameters, TrunkParameters
+from riot.parameters import ReversibilityParameters, TrunkParameters
 from riot.reversibility import reversibility
 from riot.shape import Shape
 from riot.trunks import Trunks, full_trunks
+from riot.units import L_C
 
 DEFAULT = TrunkParameters()
 LOOSER = {"min_area": 0.005, "min_inside": 0.8, "max_arc": 0.6, "max_overlap": 0.2}

@@ -18,10 +18,11 @@ from riot.cross import AREA_SLACK, NO_SCORE, best_of_prepared, best_trunk_pairs,
 from riot.groundtruth import exact_pair
 from riot.kernels.candidates import Units, leaf_pairs, nearest_candidates
 from riot.kernels.coverage import area_terms, swung_arcs, uncovered
-from riot.parameters import D_C, CrsParameters
+from riot.parameters import CrsParameters
 from riot.quick import corresponding
 from riot.shape import Shape
 from riot.trunks import Trunks, full_trunks
+from riot.units import D_C
 
 
 def benchmark(name: str) -> ModuleType:

@@ -17,9 +17,10 @@ from riot.kernels import leaves as leaf_kernels
 from riot.kernels import search as search_kernels
 from riot.kernels.leaves import FEATURES, LEAF, features
 from riot.leaves import gather_leaves
-from riot.parameters import D_C, QcrsParameters
+from riot.parameters import QcrsParameters
 from riot.quick import TrunkStack, brute_force, qcrs, score_block, score_pairs, stack
 from riot.trunks import Trunks, full_trunks, quick_trunks
+from riot.units import D_C
 
 SEEDS = st.integers(0, 10_000)
 

@@ -20,8 +20,9 @@ from riot.construct.pinning import TOLERANCE
 from riot.construct.pins import Pin, Pins, draw, keep, load_pins, pins_from_json
 from riot.construct.plan import Plan
 from riot.cross import best_trunk_pairs
-from riot.parameters import L_C, ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.shape import FloatArray
+from riot.units import L_C
 
 
 @cache

@@ -18,10 +18,11 @@ from riot.errors import ConstructionError
 from riot.groundtruth import exact_pair
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, edge_differences, tangential
-from riot.parameters import D_C, ConstructParameters, RefineParameters
+from riot.parameters import ConstructParameters, RefineParameters
 from riot.polyline import edge_lengths
 from riot.pose import rotate
 from riot.shape import Shape
+from riot.units import D_C
 
 PARAMETERS = RefineParameters()
 

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot.kernels.segments import contains, inscribed
-from riot.parameters import D_C, L_C
 from riot.polyline import arc_length, centroid, insert_midpoints, signed_area
 from riot.reversibility import Reversibility, concave_points, cut_off, reversibility, roundness
 from riot.shape import FloatArray, Shape
+from riot.units import D_C, L_C
 
 
 def shape_of(corners: FloatArray, spacing: float = L_C / 100) -> Shape:

@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot import polyline
-from riot.parameters import L_C, ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.shape import FloatArray, Shape
 from riot.silhouette import mask_shape, polygon_shape
+from riot.units import L_C
 
 SEEDS = st.integers(0, 10_000)
 

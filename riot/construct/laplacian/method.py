@@ -12,11 +12,12 @@ from riot.construct.laplacian.contact import Arcs
 from riot.construct.laplacian.phases import close_gaps, part_overlaps, scale_arcs
 from riot.construct.laplacian.residual import Residual
 from riot.kernels.coverage import swung_arcs
-from riot.parameters import L_C, ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.polyline import edge_lengths, trunk_angles
 from riot.pose import Placement, rotate
 from riot.shape import FloatArray, IntArray
 from riot.transform import Piece, Transform
+from riot.units import L_C
 
 if TYPE_CHECKING:
     from riot.construct.plan import Plan
