@@ -23,7 +23,7 @@ READERS = 4
 
 
 def load_index(store: Store, trunks: Sequence[str], note: Callable[[str], None]) -> TrunkIndex:
-    """The index over the artifacts of quick trunks with these keys, in order, of every item of their batches.
+    """The index over the artifacts of trunks with these keys, in order, of every item of their batches.
 
     It is built and saved when the store has none or a damaged one; ``note`` is told so. Raises KeyError or
     `PayloadError` when it has to be built and trunks are absent or corrupt.

@@ -36,7 +36,7 @@ AGAIN = "the command that made the run makes it again, and computes only what is
 class Mined:
     """A finished run, as far as a search needs it.
 
-    ``names``, ``classes`` and ``digests`` are by shape number. ``trunks`` are the keys of its batches of quick trunks,
+    ``names``, ``classes`` and ``digests`` are by shape number. ``trunks`` are the keys of its batches of trunks,
     in the collection's order, ``numbers`` (items,) int64 the shape number of each item of these batches, −1 without
     a shape.
     """
@@ -69,7 +69,7 @@ class Mined:
 
 @dataclass(frozen=True, eq=False)
 class Query:
-    """A shape to be matched: name and digest of its file, its quick trunks, and the same for the search."""
+    """A shape to be matched: name and digest of its file, its trunks for QCRS, and the same for the search."""
 
     name: str
     digest: str

@@ -83,7 +83,7 @@ class Results:
 
     @cached_property
     def without_trunks(self) -> int:
-        """How many shapes were searched for quick trunks and have none."""
+        """How many shapes were searched for trunks that QCRS compares and have none."""
         total = 0
         for batch, item in zip(self.plan.batches, self.plan.trunks, strict=True):
             artifact = self.artifact(item)
