@@ -101,35 +101,45 @@ class _Facts:
 def _facts(module: str, source: Source) -> _Facts:
     # Most modules are in the closures of most stages: each version of a file is parsed once.
     tree = ast.parse(source.content, filename=str(source.path))
-    state = hashlib.sha256()
-    _feed(tree, state)
-    return _Facts(state.hexdigest()[:32], tuple(dict.fromkeys(_imports(module, source.path, tree))))
+    digest = hashlib.sha256(_text(tree).encode()).hexdigest()
+    return _Facts(digest[:32], tuple(dict.fromkeys(_imports(module, source.path, tree))))
 
 
-def _feed(node: object, state: hashlib._Hash) -> None:
-    # ast.dump differs between Python versions (fields come and go); absent and empty fields are left out here.
-    if isinstance(node, ast.AST):
-        state.update(b"(" + type(node).__name__.encode())
-        for name, value in ast.iter_fields(node):
-            if name in ("type_comment", "kind", "type_ignores"):
+_MEANINGLESS = frozenset({"type_comment", "kind", "type_ignores", "ctx"})
+"""Fields that say nothing; of the last, what a name is there for, its place tells."""
+_DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+def _text(tree: ast.Module) -> str:
+    """What a syntax tree says, with no two trees of different meaning saying the same."""
+    # ast.dump is slower, and differs between Python versions (fields come and go): what is absent or empty is left out.
+    said: list[str] = []
+
+    def add(node: ast.AST) -> None:
+        said.append(type(node).__name__)
+        for name in node._fields:
+            if name in _MEANINGLESS:
                 continue
-            if name == "body" and isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-                value = _without_docstring(value)
-            absent = value is None or value == []
-            if absent and not (isinstance(node, ast.Constant) and name == "value"):
-                continue
-            state.update(b"," + name.encode() + b"=")
-            _feed(value, state)
-        state.update(b")")
-    elif isinstance(node, list):
-        state.update(b"[")
-        for item in node:
-            _feed(item, state)
-            state.update(b";")
-        state.update(b"]")
-    else:
-        text = f"{type(node).__name__}:{node!r}".encode()
-        state.update(len(text).to_bytes(8, "little") + text)
+            value = getattr(node, name, None)
+            if isinstance(value, list):
+                if name == "body" and isinstance(node, _DOCUMENTED):
+                    value = _without_docstring(value)
+                if value:
+                    said.append(f"{name} {len(value)}")
+                    for one in value:
+                        if isinstance(one, ast.AST):
+                            add(one)
+                        else:
+                            said.append(repr(one))
+            elif isinstance(value, ast.AST):
+                said.append(name)
+                add(value)
+            elif value is not None:  # as a constant's value it is meant, but no other constant is without one
+                said.append(f"{name} {value!r}")
+        said.append(")")
+
+    add(tree)
+    return "\0".join(said)  # no name has this character, nor has what repr says
 
 
 def _without_docstring(body: list[ast.stmt]) -> list[ast.stmt]:
