@@ -11,6 +11,7 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from riot.errors import SilhouetteError
+from riot.machine import is_of_machine
 from riot.shape import FloatArray
 from riot.untrusted import PICTURE_BYTES, TooManyBytes, check_file
 
@@ -52,6 +53,8 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
     ------
     SilhouetteError
         ``unreadable`` (missing, no permission, truncated, damaged), ``not-a-picture``, ``too-large``.
+    MemoryError, OSError
+        The machine failed (`riot.machine`): nothing is known of the file.
     """
     where = Path(path)
     try:
@@ -79,11 +82,12 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
         ) from error
     except (Image.DecompressionBombError, TooManyBytes) as error:
         raise SilhouetteError("too-large", f"{where}: {error}; scale the picture down") from error
-    except OSError as error:
-        if error.strerror is None:  # what Pillow says of a truncated file
-            raise _damaged(where, error) from error
-        raise SilhouetteError("unreadable", f"{where}: cannot be read ({error.strerror}); check the path") from error
     except Exception as error:  # decoders raise nearly anything on damaged files
+        if is_of_machine(error):
+            raise
+        if isinstance(error, OSError) and error.strerror is not None:  # Pillow's own, of damaged files, have none
+            message = f"{where}: cannot be read ({error.strerror}); check the path"
+            raise SilhouetteError("unreadable", message) from error
         raise _damaged(where, error) from error
 
 

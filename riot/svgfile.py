@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from riot.errors import SilhouetteError
+from riot.machine import is_of_machine
 from riot.untrusted import SVG_BYTES, TooManyBytes, read_bytes
 
 NAMESPACE = "http://www.w3.org/2000/svg"
@@ -49,6 +50,8 @@ def load(path: str | os.PathLike[str]) -> ElementTree.Element:
     ------
     SilhouetteError
         ``unreadable``, ``too-large``, ``unsupported``.
+    OSError
+        The machine failed (`riot.machine`): nothing is known of the file.
     """
     where = Path(path)
     try:
@@ -56,6 +59,8 @@ def load(path: str | os.PathLike[str]) -> ElementTree.Element:
     except TooManyBytes as error:
         raise SilhouetteError("too-large", f"{where}: {error}; simplify the file") from error
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        if is_of_machine(error):
+            raise
         said = getattr(error, "strerror", error)
         raise SilhouetteError("unreadable", f"{where}: cannot be read ({said}); check the path") from error
     try:
