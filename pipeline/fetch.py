@@ -20,12 +20,14 @@ import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass
 from pathlib import Path, PurePosixPath
+from typing import BinaryIO
 
 import numpy as np
 import pooch
 from PIL import Image
 
 from pipeline.datasets import DatasetError, default_root
+from pipeline.places.local import TAKES_NO_MORE
 from riot.picture import FORMATS, SUFFIXES
 
 MPEG7_URLS = ("http://www.dabi.temple.edu/~shape/MPEG7/MPEG7dataset.zip",)
@@ -33,6 +35,8 @@ MPEG7_URLS = ("http://www.dabi.temple.edu/~shape/MPEG7/MPEG7dataset.zip",)
 
 MPEG7_MANIFEST = Path(__file__).parent / "manifests" / "mpeg7.csv"
 
+_MAX_DOWNLOAD = 50_000_000
+"""A download of more bytes is stopped; all pictures together, unpacked, have a tenth."""
 _MAX_PIXELS = 10_000_000
 _MAX_BYTES = 500_000_000
 """An archive that unpacks to more is none of these."""
@@ -154,8 +158,36 @@ def _entry_or_none(path: Path, name: str) -> Entry | None:
         return None
 
 
+class _TooLong(ValueError):
+    """A download is longer than any archive of the data set."""
+
+
+class _Limited:
+    """A file being written that takes so many bytes and no more: what a server announces need not be true."""
+
+    def __init__(self, file: BinaryIO, most: int) -> None:
+        self._file, self._most, self._left = file, most, most
+
+    def write(self, data: bytes) -> int:
+        """Write, or raise `_TooLong`."""
+        self._left -= len(data)
+        if self._left < 0:
+            raise _TooLong(f"more than {self._most} bytes; this is another file")
+        return self._file.write(data)
+
+    def flush(self) -> None:
+        """See `io.IOBase.flush`."""
+        self._file.flush()
+
+
 def _download(urls: Sequence[str], folder: Path, timeout: float) -> Path:
     pooch.get_logger().setLevel("WARNING")
+    downloader = pooch.HTTPDownloader(timeout=timeout)
+
+    def download(url: str, file: str, pup: pooch.Pooch | None) -> None:
+        with Path(file).open("wb") as whole:
+            downloader(url, _Limited(whole, _MAX_DOWNLOAD), pup)
+
     failures: list[str] = []
     for url in urls:
         name = PurePosixPath(url).name or "archive.zip"
@@ -166,13 +198,17 @@ def _download(urls: Sequence[str], folder: Path, timeout: float) -> Path:
                     known_hash=None,  # nobody published one; the pictures are checked instead
                     fname=name,
                     path=folder,
-                    downloader=pooch.HTTPDownloader(timeout=timeout),
+                    downloader=download,
                 )
             )
+        except _TooLong as error:
+            failures.append(f"{url} ({error})")
         except Exception as error:  # whatever the transport raises, the next address may do
+            if isinstance(error, OSError) and error.errno in TAKES_NO_MORE:
+                raise  # a full disk: no address will do
             failures.append(f"{url} ({type(error).__name__}: {str(error)[:200]})")
     raise DatasetError(
-        "no address of the data set answers; check the network, or get it elsewhere and give dataset.root=DIR. Tried: "
+        "no address gives the data set; check the network, or get it elsewhere and give dataset.root=DIR. Tried: "
         + "; ".join(failures)
     )
 

@@ -7,6 +7,7 @@ temporary file that can be locked belongs to nobody, whatever the clock says, an
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import mmap
 import os
@@ -17,6 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 TEMPORARY = ".tmp-"
+
+TAKES_NO_MORE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
+"""Numbers of the errors of a place that is full, or may not be written: the next file fails as well."""
 
 MAPPED = 2**18
 """Files of so many bytes are mapped, smaller ones, such as blocks of scores, are read: that costs less."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import io
+import os
 import threading
 import zipfile
 from collections.abc import Iterator
 from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler, SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import numpy as np
@@ -220,3 +223,61 @@ def test_an_archive_that_unpacks_to_too_much_is_not_unpacked(
     with pytest.raises(DatasetError, match="more than 1000000 bytes"):
         fetch.fetch(tmp_path / "cache" / "set", [server.url("bomb.zip")], manifest)
     assert nothing_left(tmp_path / "cache" / "set")
+
+
+class Endless(BaseHTTPRequestHandler):
+    """Announces little or nothing, and sends until nobody listens."""
+
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.end_headers()
+        with contextlib.suppress(OSError):
+            while True:
+                self.wfile.write(bytes(2**16))
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+def test_a_download_without_end_is_stopped_and_the_next_address_tried(
+    server: Server, manifest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fetch, "_MAX_DOWNLOAD", 1_000_000)
+    with ThreadingHTTPServer(("127.0.0.1", 0), Endless) as endless:
+        thread = threading.Thread(target=endless.serve_forever)
+        thread.start()
+        url = f"http://127.0.0.1:{endless.server_address[1]}/set.zip"
+        try:
+            with pytest.raises(DatasetError, match=r"set.zip .more than 1000000 bytes; this is another file"):
+                fetch.fetch(tmp_path / "cache" / "set", [url], manifest)
+            assert nothing_left(tmp_path / "cache" / "set")
+            assert fetch.fetch(tmp_path / "cache" / "set", [url, pack(server, good())], manifest)
+        finally:
+            endless.shutdown()
+            thread.join()
+    assert [path.name for path in (tmp_path / "cache").iterdir()] == ["set"]
+
+
+def test_a_download_may_be_as_long_as_the_limit(
+    server: Server, manifest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url = pack(server, good())
+    size = (server.folder / "set.zip").stat().st_size
+    monkeypatch.setattr(fetch, "_MAX_DOWNLOAD", size - 1)
+    with pytest.raises(DatasetError, match=f"more than {size - 1} bytes"):
+        fetch.fetch(tmp_path / "cache" / "set", [url], manifest)
+    monkeypatch.setattr(fetch, "_MAX_DOWNLOAD", size)
+    assert fetch.fetch(tmp_path / "cache" / "set", [url], manifest)
+
+
+def test_a_full_disk_is_not_said_of_the_address(
+    server: Server, manifest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    url = pack(server, good())
+    monkeypatch.setattr(fetch._Limited, "write", full)
+    with pytest.raises(DatasetError, match=r"set: cannot be written .No space left on device"):
+        fetch.fetch(tmp_path / "cache" / "set", [url, url], manifest)
+    assert server.requests == ["/set.zip"] and nothing_left(tmp_path / "cache" / "set")
