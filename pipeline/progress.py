@@ -53,7 +53,8 @@ def show_progress(console: Console) -> Iterator[Listener]:
                 progress.remove_task(tasks.pop(event.stage))
                 console.print(stage_line(event), highlight=False)
             elif isinstance(event, Note):
-                console.print(event.text, highlight=False)
+                # File names and messages, as they are: to rich, brackets are colours, and colons pictograms.
+                console.print(event.text, highlight=False, markup=False, emoji=False)
 
         yield listen
 
