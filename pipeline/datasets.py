@@ -177,6 +177,8 @@ def _limited(collection: Collection, limit: int | None) -> Collection:
 
 
 def _listed(name: str, root: Path, get: str) -> Collection:
+    # Sources travel to workers that may have another working folder; no key and no table holds where the root is.
+    root = root.absolute()
     paths, rejected, ignored = _pictures(root, get)
     items: list[Item] = []
     for item_name, path in _named(root, paths):
