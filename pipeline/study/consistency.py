@@ -10,10 +10,11 @@ import pyarrow as pa
 
 from pipeline.errors import ConfigError, StartError
 from pipeline.study import plots
-from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.partners import Partners
 from pipeline.study.statistics import Agreement, agreement, calibration, precision
+from pipeline.tables import column
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
 from riot.quick import score_pairs, stack
 from riot.shape import FloatArray, IntArray
@@ -137,14 +138,20 @@ def _findings(finished: Finished, parameters: Parameters, samples: list[Sample])
             figures[f"{sample.kind}-{variant}"] = (
                 plots.scatter((quick, sample.cross), bands, f"QCRS, {variant}", "CRS"), caption,
             )  # fmt: skip
-    own = said["uniform", finished.config.qcrs.variant]
-    head = ("pairs", "QCRS", "beside", "pairs", "alike", "95 %", "of all", "Kendall", "Spearman", "nearly tied")
+    shares = ", ".join(
+        f"{found.alike} of {found.drawn} draws ({found.low:.1%} to {found.high:.1%}) by the {variant} variant"
+        for (kind, variant), found in said.items()
+        if kind == "uniform"
+    )
+    head = ("pairs", "QCRS", "beside", "pairs", "alike", "95 %", "of all", "ties half", "Kendall", "Spearman",
+            "nearly tied")  # fmt: skip
     return Findings(
         f"Consistency of QCRS with CRS on {finished.mined.dataset}",
-        f"Two random pairs of shapes are ordered alike by QCRS and CRS in {own.alike} of {own.drawn} draws "
-        f"({own.low:.1%} to {own.high:.1%}) by the run's variant, {finished.config.qcrs.variant}; in the paper in "
-        f"{PAPER:.1%} of 1,000. “Nearly tied” is the share of the others whose CRS or IoU are less than 0.05 apart; "
-        "IoU is what refined trunks allow the worse shape.",
+        f"Two random pairs of shapes are ordered alike by QCRS and CRS in {shares}; in the paper in {PAPER:.1%} of "
+        f"1,000. The run's own variant is {finished.config.qcrs.variant}. Pairs of pairs that a score ties have no "
+        "order and are not drawn; “ties half” counts those that QCRS ties as half alike. “Nearly tied” is the share of "
+        "those ordered otherwise whose CRS or IoU are less than 0.05 apart. IoU is what refined trunks allow the worse "
+        "shape.",
         _table(samples),
         [
             Sheet("Pairs of pairs ordered alike", head, meets, 3),
@@ -159,7 +166,7 @@ def _cells(found: Agreement) -> tuple[str, ...]:
         f"{found.pairs:,}",
         f"{found.alike} of {found.drawn}",
         f"{found.low:.1%} – {found.high:.1%}",
-        *(f"{value:.3f}" for value in (found.share, found.kendall, found.spearman, found.nearly_tied)),
+        *(f"{value:.3f}" for value in (found.share, found.halved, found.kendall, found.spearman, found.nearly_tied)),
     )
 
 

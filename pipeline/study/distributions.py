@@ -10,9 +10,10 @@ import pyarrow as pa
 
 from pipeline.errors import ConfigError
 from pipeline.study import plots
-from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.statistics import quantiles
+from pipeline.tables import column
 from riot.shape import FloatArray, IntArray
 
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)

@@ -19,9 +19,14 @@ from matplotlib.figure import Figure
 from pipeline.report.markup import section, table
 from pipeline.report.style import style_sheet
 from pipeline.store import write_atomically
+from pipeline.tables import schema
 from riot.draw.svg import escape
 
 TABLE, PAGE = "table.parquet", "report.html"
+
+TIMES = "times.parquet"
+"""What varies between equal runs, so that `TABLE` does not."""
+
 DOTS_PER_INCH = 160
 
 
@@ -50,15 +55,17 @@ class Findings:
     files: Mapping[str, bytes] = field(default_factory=dict)
 
 
-def column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
-    """A column of a study's table, with its meaning and unit as metadata."""
-    return pa.field(name, kind, metadata={"meaning": meaning, "unit": unit})
-
-
 def of_columns(meaning: str, columns: Sequence[tuple[pa.Field, Any]]) -> pa.Table:
     """A table of columns and their values."""
-    schema = pa.schema([one for one, _ in columns], metadata={"meaning": meaning})
-    return pa.table([pa.array(values, one.type) for one, values in columns], schema=schema)
+    typed = schema(meaning, *(one for one, _ in columns))
+    return pa.table([pa.array(values, one.type) for one, values in columns], schema=typed)
+
+
+def encoded(table: pa.Table) -> bytes:
+    """A table as a Parquet file."""
+    stream = io.BytesIO()
+    pq.write_table(table, stream)
+    return stream.getvalue()
 
 
 def write_findings(found: Findings, folder: Path) -> Path:
@@ -67,9 +74,7 @@ def write_findings(found: Findings, folder: Path) -> Path:
     The same findings give the same bytes.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    stream = io.BytesIO()
-    pq.write_table(found.table, stream)
-    write_atomically(folder / TABLE, stream.getvalue())
+    write_atomically(folder / TABLE, encoded(found.table))
     for name, content in found.files.items():
         write_atomically(folder / name, content)
     shown = []

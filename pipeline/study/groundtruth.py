@@ -11,11 +11,12 @@ import pyarrow as pa
 
 from pipeline.errors import ConfigError
 from pipeline.study import plots
-from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.hidden import hide
 from pipeline.study.partners import Partners
 from pipeline.study.recovery import QUANTILES, WAYS, Closeness, Figure, Found, Search, figures, quantiles
+from pipeline.tables import column
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
 from riot.shape import FloatArray
 

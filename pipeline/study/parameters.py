@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,24 +9,21 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 from matplotlib.figure import Figure
 
 from pipeline.errors import ConfigError
 from pipeline.study import plots
-from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.findings import TIMES, Findings, Sheet, encoded, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.groundtruth import PIECES
 from pipeline.study.hidden import hide
 from pipeline.study.ordering import Order, orders
 from pipeline.study.statistics import wilson
 from pipeline.study.varied import Outcome, vary
+from pipeline.tables import column
 from riot.draw.palette import LIGHT
 from riot.draw.palette import PIECES as COLOURS
 from riot.groundtruth import CORNER_TOLERANCE, LEAST_DEPTH
-
-TIMES = "times.parquet"
-"""What varies from run to run, so that the table does not."""
 
 TRUNKS, SIGMAS = ("spacing", "tau_s", "tau_c"), ("sigma_pa", "sigma_w")
 """The parameters of candidate trunks, and those of S_r."""
@@ -113,9 +109,7 @@ def _times(outcomes: Sequence[Outcome], say: Callable[[str], None]) -> bytes:
             (column("ratio", pa.float64(), "to that of the default", "1"), [one.seconds / own for one in outcomes]),
         ],
     )
-    stream = io.BytesIO()
-    pq.write_table(table, stream)
-    return stream.getvalue()
+    return encoded(table)
 
 
 def _findings(

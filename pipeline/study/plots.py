@@ -84,6 +84,15 @@ def along(shapes: Sequence[Shape], captions: Sequence[str]) -> Figure:
     return figure
 
 
+def curves(points: Mapping[str, Sequence[tuple[float, float]]], x: str, y: str) -> Figure:
+    """One line a name through its points, in the order given."""
+    figure, found = axes(x, y)
+    for number, (name, each) in enumerate(points.items()):
+        found.plot(*zip(*each, strict=True), "o-", linewidth=1.8, label=name, color=PIECES[number % len(PIECES)])
+    found.legend(frameon=False)
+    return figure
+
+
 def recall(ranks: Mapping[str, FloatArray], most: int) -> Figure:
     """The share of ranks that are at most r, by r from 1 to ``most``; nan ranks are never reached."""
     figure, found = axes("rank", "share of partners so far")

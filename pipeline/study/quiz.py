@@ -11,11 +11,12 @@ from matplotlib.figure import Figure
 
 from pipeline.errors import ConfigError, StartError
 from pipeline.study import plots
-from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.partners import Partners
 from pipeline.study.quiz_page import Answers, quiz_page
 from pipeline.study.quiz_pairs import Pair, choose
+from pipeline.tables import column
 from riot.draw.palette import LIGHT, PIECES
 from riot.errors import FormatError
 from riot.riotfile import from_json

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from pipeline.study import consistency, distributions, groundtruth, parameters, quiz, timing
+from pipeline.study import consistency, distributions, groundtruth, parameters, quiz, sigmas, timing
 from pipeline.study.findings import Findings
 from pipeline.study.finished import Finished
 
@@ -30,6 +30,7 @@ STUDIES: Mapping[str, Study] = MappingProxyType(
         "groundtruth": Study("whether hidden exact pairs are found", groundtruth.Parameters, groundtruth.study),
         "parameters": Study("what the method's parameters do", parameters.Parameters, parameters.study),
         "quiz": Study("pairs to judge, as the paper's people did", quiz.Parameters, quiz.study),
+        "sigmas": Study("what a greater σ_A of QCRS gains and costs", sigmas.Parameters, sigmas.study),
         "timing": Study("what each step costs, beside the paper", timing.Parameters, timing.study),
     }
 )

@@ -33,7 +33,8 @@ class Agreement:
 
     ``alike`` of ``drawn`` random pairs of pairs are ordered alike, ``low`` to ``high`` the share's 95 % interval;
     ``share`` is that of all pairs of pairs. Pairs of pairs that either score ties have no order and do not count. Of
-    those ordered otherwise, ``nearly_tied`` is the share whose reference scores differ by less than `TIED`.
+    those ordered otherwise, ``nearly_tied`` is the share whose reference scores differ by less than `TIED`. ``halved``
+    is the share of all that the reference orders, where those that the score ties count half.
     """
 
     pairs: int
@@ -45,6 +46,7 @@ class Agreement:
     kendall: float
     spearman: float
     nearly_tied: float
+    halved: float
 
 
 def agreement(score: FloatArray, reference: FloatArray, draws: int, seed: int) -> Agreement:
@@ -70,6 +72,7 @@ def agreement(score: FloatArray, reference: FloatArray, draws: int, seed: int) -
         float(stats.kendalltau(score, reference).statistic),
         float(stats.spearmanr(score, reference).statistic),
         float((apart < TIED).mean()) if len(apart) else 0.0,
+        float((0.5 + 0.5 * first * second)[second != 0.0].mean()),
     )
 
 

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import pyarrow as pa
 
 from pipeline.study import plots
-from pipeline.study.findings import Findings, Sheet, column, of_columns
+from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import Finished
+from pipeline.tables import column
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from small_runs import CLEAN, pictures, run
 
 from pipeline.study.__main__ import main
 from pipeline.study.registry import STUDIES
+from pipeline.study.statistics import agreement
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +39,7 @@ QUICK = {
     "groundtruth": ("pairs=1", "keep=3", "few=1"),
     "parameters": ("pairs=1", "shapes=2", "spacing=[12]", "tau_s=[]", "tau_c=[0.2]", "sigma_pa=[2]", "sigma_w=[]"),
     "quiz": ("pairs=2", "margin=0"),
+    "sigmas": ("sigma_area=[0.2]", "pairs=20", "draws=50", "shapes=4", "repeats=1"),
     "timing": (),
 }
 
@@ -83,6 +85,19 @@ def test_consistency_takes_qcrs_of_the_run_from_its_tables(where: Path, made: di
     }
     shared = [row for row in rows if (row["i"], row["j"]) in known]
     assert shared and all(row["crs"] == pytest.approx(known[row["i"], row["j"]]) for row in shared)
+
+
+def test_sigmas_judge_the_own_of_each_variant_as_consistency_does(made: dict[str, Path]) -> None:
+    pairs = [row for row in table(made["consistency"]) if row["sample"] == "uniform"]
+    cross = np.array([row["crs"] for row in pairs], dtype=np.float64)
+    rows = table(made["sigmas"])
+    assert [row["sigma_area"] for row in rows if row["variant"] == "paper"] == [0.1, 0.2]
+    for row in rows:
+        if row["own"]:
+            quick = np.array([pair[f"qcrs_{row['variant']}"] for pair in pairs], dtype=np.float64)
+            known = agreement(quick, cross, 50, 2018)
+            assert (row["alike"], row["share"], row["halved"]) == (known.alike, known.share, known.halved)
+    assert (np.array([row["price"] for row in pq.read_table(made["sigmas"] / "times.parquet").to_pylist()]) > 0.0).all()
 
 
 def test_distributions_count_every_shape_and_pair(made: dict[str, Path]) -> None:

@@ -46,6 +46,14 @@ def test_ties_have_no_order() -> None:
         agreement(np.ones(4), np.arange(4.0), 10, 1)
 
 
+@given(st.integers(0, 2**20))
+def test_what_the_score_ties_counts_half(seed: int) -> None:
+    a, b = (np.round(each, 1) for each in scores(seed))
+    pairs = [(i, j) for i in range(len(a)) for j in range(i) if b[i] != b[j]]
+    alike = [0.5 if a[i] == a[j] else float((a[i] < a[j]) == (b[i] < b[j])) for i, j in pairs]
+    assert agreement(a, b, 10, 1).halved == pytest.approx(np.mean(alike))
+
+
 def test_draws_are_a_seed_s_own_and_near_the_whole() -> None:
     rng = np.random.default_rng(7)
     a = rng.random(300)

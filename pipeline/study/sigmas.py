@@ -1,0 +1,169 @@
+"""What a greater σ_A of QCRS gains and costs, on the trunks of both variants: how the tuned one was chosen. Ours."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pyarrow as pa
+
+from pipeline.errors import ConfigError
+from pipeline.study import plots
+from pipeline.study.consistency import uniform
+from pipeline.study.findings import TIMES, Findings, Sheet, encoded, of_columns
+from pipeline.study.finished import Finished
+from pipeline.study.partners import Partners
+from pipeline.study.statistics import Agreement, agreement
+from pipeline.tables import column
+from riot.parameters import QCRS_VARIANTS, QcrsParameters, QcrsVariant
+from riot.quick import TrunkStack, score_block, score_pairs, stack
+from riot.trunks import compared_trunks
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Orders are compared on ``pairs`` random pairs, ``draws`` pairs of pairs of them; prices on all pairs of
+    ``shapes`` random shapes, ``repeats`` times in turn. ``sigma_area`` are the values, beside each variant's own."""
+
+    sigma_area: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5)
+    pairs: int = 3000
+    draws: int = 1000
+    shapes: int = 200
+    repeats: int = 3
+    seed: int = 2018
+
+    def __post_init__(self) -> None:
+        for name, least in (("pairs", 3), ("draws", 1), ("shapes", 2), ("repeats", 1), ("seed", 0)):
+            if getattr(self, name) < least:
+                raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
+        for value in self.sigma_area:
+            if not 0.0 < value < np.inf:
+                raise ConfigError(f"sigma_area: values must be above 0, got {value}")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A σ_A on the trunks of a variant: agreement with CRS, and CPU time as a multiple of the paper variant's."""
+
+    variant: QcrsVariant
+    sigmas: QcrsParameters
+    own: bool
+    agreed: Agreement
+    price: float
+
+
+def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+    """Agreement with CRS and price of every value, on the trunks of both variants.
+
+    The sigmas of edges and angles are the variant's own. Prices go to `TIMES` and to the page, not to the table, since
+    they differ between equal runs.
+    """
+    rng = np.random.default_rng(parameters.seed)
+    pairs = uniform(len(finished.mined.names), parameters.pairs, rng)
+    drawn = np.sort(rng.permutation(len(finished.mined.names))[: parameters.shapes])
+    settings = finished.config
+    partners = Partners(finished.shapes, settings.trunks, settings.refine, settings.crs)
+    say(f"CRS of {len(pairs)} pairs …")
+    cross = np.array([partners.cross(i, j) for i, j in pairs.tolist()])
+    found: list[tuple[QcrsVariant, QcrsParameters, Agreement]] = []
+    blocks: dict[QcrsVariant, TrunkStack] = {}
+    for variant, own in QCRS_VARIANTS.items():
+        say(f"QCRS on the trunks of the {variant} variant …")
+        trunks = [compared_trunks(shape, variant, settings.trunks) for shape in finished.shapes]
+        stacked, blocks[variant] = stack(trunks), stack([trunks[k] for k in drawn.tolist()])
+        for value in sorted({*parameters.sigma_area, own.sigma_area}):
+            sigmas = replace(own, sigma_area=value)
+            quick = score_pairs(stacked, stacked, pairs, sigmas).score
+            found.append((variant, sigmas, agreement(quick, cross, parameters.draws, parameters.seed)))
+    say(f"prices, {parameters.repeats} times …")
+    prices = _prices([(blocks[variant], sigmas) for variant, sigmas, _ in found], blocks["paper"], parameters.repeats)
+    choices = [
+        Choice(variant, sigmas, sigmas == QCRS_VARIANTS[variant], agreed, price)
+        for (variant, sigmas, agreed), price in zip(found, prices, strict=True)
+    ]
+    return _findings(finished, choices)
+
+
+def _prices(work: Sequence[tuple[TrunkStack, QcrsParameters]], reference: TrunkStack, repeats: int) -> list[float]:
+    """CPU time of each piece of work as a multiple of the paper variant's just after it: the median of the repeats."""
+    ratios = np.array([
+        [_seconds(block, sigmas) / _seconds(reference, QCRS_VARIANTS["paper"]) for block, sigmas in work]
+        for _ in range(repeats)
+    ])  # fmt: skip
+    return [float(price) for price in np.median(ratios, axis=0)]
+
+
+def _seconds(block: TrunkStack, sigmas: QcrsParameters) -> float:
+    begun = time.process_time()
+    score_block(block, block, sigmas)
+    return time.process_time() - begun
+
+
+def _findings(finished: Finished, choices: Sequence[Choice]) -> Findings:
+    best = max((each for each in choices if each.price <= 1.05), key=lambda each: each.agreed.share)
+    rows = [
+        (
+            each.variant + ", its own" * each.own,
+            f"{each.sigmas.sigma_area:g}",
+            f"{each.agreed.alike} of {each.agreed.drawn}",
+            f"{each.agreed.low:.1%} – {each.agreed.high:.1%}",
+            *(
+                f"{value:.3f}"
+                for value in (each.agreed.share, each.agreed.halved, each.agreed.kendall, each.agreed.spearman)
+            ),
+            f"{each.price:.2f} ×",
+        )
+        for each in choices
+    ]
+    return Findings(
+        f"σ_A of QCRS on {finished.mined.dataset}",
+        f"Of those that cost no more than the paper variant (to a twentieth), σ_A = {best.sigmas.sigma_area:g} on the "
+        f"trunks of the {best.variant} variant orders most pairs as CRS does: {best.agreed.alike} of "
+        f"{best.agreed.drawn} draws ({best.agreed.low:.1%} to {best.agreed.high:.1%}) at {best.price:.2f} times its "
+        "CPU time.",
+        _table(choices),
+        [Sheet("Order and price",
+               ("trunks", "σ_A", "alike", "95 %", "of all", "ties half", "Kendall", "Spearman", "price"), rows)],
+        {"sigmas": (
+            plots.curves(
+                {variant: [(each.price, each.agreed.share) for each in choices if each.variant == variant]
+                 for variant in QCRS_VARIANTS},
+                "CPU time / the paper variant's", "share ordered as by CRS",
+            ),
+            "What σ_A gains and costs; along each line it grows to the right",
+        )},
+        {TIMES: encoded(_times(choices))},
+    )  # fmt: skip
+
+
+def _table(choices: Sequence[Choice]) -> pa.Table:
+    return of_columns(
+        "Agreement of QCRS with CRS by σ_A.",
+        [
+            (column("variant", pa.string(), "variant whose trunks are compared"), [each.variant for each in choices]),
+            (column("sigma_area", pa.float64(), "sigma of the area term"), [e.sigmas.sigma_area for e in choices]),
+            (column("own", pa.bool_(), "whether this is the variant's own"), [each.own for each in choices]),
+            (column("alike", pa.int32(), "draws ordered alike", "count"), [each.agreed.alike for each in choices]),
+            (column("drawn", pa.int32(), "draws", "count"), [each.agreed.drawn for each in choices]),
+            (column("share", pa.float64(), "share of all pairs of pairs ordered alike"),
+             [each.agreed.share for each in choices]),
+            (column("halved", pa.float64(), "the same, those that QCRS ties counting half"),
+             [each.agreed.halved for each in choices]),
+            (column("kendall", pa.float64(), "Kendall's τ_b"), [each.agreed.kendall for each in choices]),
+            (column("spearman", pa.float64(), "Spearman's ρ"), [each.agreed.spearman for each in choices]),
+        ],
+    )  # fmt: skip
+
+
+def _times(choices: Sequence[Choice]) -> pa.Table:
+    return of_columns(
+        "Price of QCRS by σ_A; it varies from run to run.",
+        [
+            (column("variant", pa.string(), "variant whose trunks are compared"), [each.variant for each in choices]),
+            (column("sigma_area", pa.float64(), "sigma of the area term"), [e.sigmas.sigma_area for e in choices]),
+            (column("price", pa.float64(), "CPU time as a multiple of the paper variant's", "1"),
+             [each.price for each in choices]),
+        ],
+    )  # fmt: skip
