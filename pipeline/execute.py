@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 
+from pipeline.artifact import Artifact
 from pipeline.cluster import Bundle, Executor, Here, open_cluster
 from pipeline.config import ClusterConfig
 from pipeline.events import ItemDone, Listener, StageEnded, StageStarted
@@ -76,6 +77,23 @@ class Run:
         if missing:
             trial._work(self.cluster(), missing)
         return trial.failed
+
+    def adopt(self, failed: WorkItem, made: WorkItem, parts: Sequence[WorkItem], artifact: Artifact) -> None:
+        """Keep what was joined from finished ``parts`` as the artifact of ``made``, in the place of a failed item.
+
+        Where that is the item itself, it has not failed after all.
+        """
+        costs = [entry.cost for part in parts if (entry := self.store.entry(*part.reference)) is not None]
+        cost = {name: float(sum(each.get(name, 0.0) for each in costs)) for name in ("seconds", "cpu_seconds")}
+        cost["peak_mb"] = max((each.get("peak_mb", 0.0) for each in costs), default=0.0)
+        self.store.put(made.parts, artifact, cost)
+        self.done.add(made.reference)
+        del self.failed[failed.reference]
+        if made.reference == failed.reference:
+            self.stages = [
+                replace(one, failed=one.failed - 1, computed=one.computed + 1) if one.stage == made.stage else one
+                for one in self.stages
+            ]
 
     def begin_again(self) -> None:
         """Forget what is done and what failed, because another plan is followed; what was spent is remembered."""

@@ -30,13 +30,14 @@ from pipeline.plan import (
     plan_full_trunks,
     plan_motions,
     plan_paint,
+    plan_pairs,
     plan_paper,
     plan_refine,
     plan_search,
     plan_select,
     plan_shortlist,
 )
-from pipeline.quarantine import bring_shapes
+from pipeline.quarantine import bring_scores, bring_shapes
 from pipeline.record import GALLERY, RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results, certified, least_deformed
 from riot.shape import FloatArray
@@ -128,14 +129,20 @@ def _run(config: Config, collection: Collection, listen: Listener) -> Outcome:
 
 def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
     plan, collection = bring_shapes(plan, collection, run)
+    scored: dict[str, Sequence[WorkItem]] = {}
     if plan.pairs is None:
-        scored: dict[str, Sequence[WorkItem]] = {"qcrs": tuple(plan.qcrs.values())}
+        plan, lost = bring_scores(plan, run)
+        scored["qcrs"] = (*plan.qcrs.values(), *lost)
     else:
         plan = plan_search(plan, run.done)  # without the batches whose trunks failed
+        scored["shards"] = plan.shards
+        run.stage("shards", plan.shards)
+        plan, lost = bring_scores(plan, run)
+        scored["partners"] = (*plan.qcrs.values(), *lost)
+        plan = plan_pairs(plan, run.done)
         assert plan.pairs is not None
-        scored = {"shards": plan.shards, "partners": tuple(plan.qcrs.values()), "pairs": (plan.pairs,)}
-    for name, items in scored.items():
-        run.stage(name, items, here=name == "pairs")
+        scored["pairs"] = (plan.pairs,)
+        run.stage("pairs", [plan.pairs], here=True)
     select = plan_select(plan, run.done)
     run.stage("select", [select], here=True)
     pairs, scores = read_pairs(run, select)

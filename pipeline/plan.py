@@ -20,6 +20,7 @@ from pipeline.config import Config
 from pipeline.datasets import Collection
 from pipeline.item import Item
 from pipeline.keys import KeyParts, digest_text
+from pipeline.part import Part
 from pipeline.stages import STAGES, Recipe, recipe
 from pipeline.work import pairs as kept_pairs
 from pipeline.work import shortlist
@@ -131,17 +132,49 @@ def plan_search(plan: Plan, done: Set[Reference]) -> Plan:
     breaks = [place for place in range(1, len(present)) if present[place] != present[place - 1] + 1]
     spans: list[Sequence[int]] = []
     for low, high in pairwise([0, *breaks, len(present)]):
-        keys = [plan.trunks[number].key for number in present[low:high]]
-        spans += [present[low + span.start : low + span.stop] for span in cut(keys, max(1, SHARD // plan.config.batch))]
+        # By the pictures, not by the keys: an edit of code or of a parameter leaves the spans as they are.
+        contents = ["".join(plan.ingest[number].parts.inputs) for number in present[low:high]]
+        cuts = cut(contents, max(1, SHARD // plan.config.batch))
+        spans += [present[low + span.start : low + span.stop] for span in cuts]
     shards = tuple(_shard(plan, span) for span in spans)
     # By shard, so that a worker's tasks follow one another on the same.
     partners = {(b, s): _partners(plan, b, spans[s], shards[s]) for s in range(len(shards)) for b in present}
-    starts = tuple((plan.batches[b].start, plan.batches[spans[s][0]].start) for b, s in partners)
-    spec = kept_pairs.Spec(starts)
-    of, sources = plan.recipes["pairs"], tuple(item.reference for item in partners.values())
+    plan = replace(plan, qcrs=partners, shards=shards)
+    return plan_pairs(plan, {item.reference for item in partners.values()})
+
+
+def plan_pairs(plan: Plan, done: Set[Reference]) -> Plan:
+    """The plan with the collection of what the searches found that are done."""
+    found = [(b, s, item.reference) for (b, s), item in plan.qcrs.items() if item.reference in done]
+    # The first shape of a batch, and of a shard.
+    spec = kept_pairs.Spec(tuple((plan.batches[b].start, plan.shards[s].members[0]) for b, s, _ in found))
+    of, sources = plan.recipes["pairs"], tuple(reference for *_, reference in found)
     parts = of.parts([key for _, key in sources], digest_text(repr(spec)))
-    pairs = WorkItem(parts, of.parameters, sources, spec, ())
-    return replace(plan, qcrs=partners, shards=shards, pairs=pairs)
+    return replace(plan, pairs=WorkItem(parts, of.parameters, sources, spec, ()))
+
+
+def whole_part(plan: Plan, place: Pair) -> Part:
+    """All of a block, or of a search, of ``plan.qcrs``, as a part of it."""
+    a, b = place
+    columns = len(plan.batches[b]) if plan.pairs is None else 1
+    return Part(plan.qcrs[place].spec, (0, len(plan.batches[a])), (0, columns))
+
+
+def plan_part(plan: Plan, place: Pair, part: Part) -> WorkItem:
+    """A part of a block, or of a search; of its rows and columns it has the members."""
+    (a, b), whole = place, plan.qcrs[place]
+    members = {plan.batches[a].start + row for row in range(*part.rows)}
+    if plan.pairs is None:
+        members |= {plan.batches[b].start + column for column in range(*part.columns)}
+    of = plan.recipes[whole.stage]
+    return WorkItem(of.parts(whole.parts.inputs, part), of.parameters, whole.sources, part, tuple(sorted(members)))
+
+
+def plan_without(plan: Plan, place: Pair, lost: Sequence[Part]) -> WorkItem:
+    """A block, or a search, without some parts: nothing does it at once, it is joined from the others."""
+    whole = plan.qcrs[place]
+    of = plan.recipes[whole.stage]
+    return WorkItem(of.parts(whole.parts.inputs, lost), of.parameters, whole.sources, tuple(lost), whole.members)
 
 
 def plan_select(plan: Plan, done: Set[Reference]) -> WorkItem:

@@ -79,7 +79,11 @@ class Results:
         found = None if self.plan.pairs is None else self.artifact(self.plan.pairs)
         if found is None:
             return None
-        return Search(self.plan.config.qcrs.k, self.shapes, int(found.document["compared"]))
+        missed = {
+            member for item in self.work["partners"] if item.reference not in self.done for member in item.members
+        }
+        known = sum(bool(self.numbers[member] >= 0) for member in missed)
+        return Search(self.plan.config.qcrs.k, self.shapes, int(found.document["compared"]), known)
 
     @cached_property
     def without_trunks(self) -> int:
@@ -138,7 +142,8 @@ class Results:
 
     def _names(self, item: WorkItem) -> list[str]:
         names = [self.plan.items[position].name for position in item.members]
-        return [" × ".join(names)] if item.stage in OF_PAIRS else names or [f"({item.stage})"]
+        of_pair = item.stage in OF_PAIRS or (item.stage == "qcrs" and len(names) == 2)
+        return [" × ".join(names)] if of_pair else names or [f"({item.stage})"]
 
 
 def certified(store: Store, made: Sequence[WorkItem]) -> list[WorkItem]:

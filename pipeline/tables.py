@@ -90,8 +90,8 @@ TRUNKS = schema(
 QCRS = schema(
     "Quick cross-reversibility score of every pair i < j (paper §5.2).",
     *_PAIR,
-    column("score", pa.float64(), "QCRS; 0 when the two have no trunks of one size", SCORE),
-    column("n", pa.int8(), "vertices of the two trunks, 0 = none", "count"),
+    column("score", pa.float64(), "QCRS; 0 when the two have no trunks of one size, nan where it was set aside", SCORE),
+    column("n", pa.int8(), "vertices of the two trunks, 0 = none, −1 = set aside (table of errors)", "count"),
     column("trunk_i", pa.int32(), "the best pair's trunk of i, −1 = none", "trunk number"),
     column("trunk_j", pa.int32(), "the best pair's trunk of j, −1 = none", "trunk number"),
     column("shift", pa.int8(), "vertex k of trunk_i corresponds to (shift − k) mod n of trunk_j", "count"),

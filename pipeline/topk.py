@@ -13,11 +13,15 @@ from pipeline.remarks import several
 
 @dataclass(frozen=True)
 class Search:
-    """``k`` partners of each of ``shapes`` shapes; ``compared`` counts a pair once for each of the two looked up."""
+    """``k`` partners of each of ``shapes`` shapes; ``compared`` counts a pair once for each of the two looked up.
+
+    ``missed`` shapes were not looked up everywhere, because that failed: the table may lack partners of theirs.
+    """
 
     k: int
     shapes: int
     compared: int
+    missed: int = 0
 
     @property
     def pairs(self) -> int:
@@ -31,14 +35,21 @@ class Search:
 
     def remark(self, kept: int) -> str:
         """A sentence for the summary and the report."""
+        missed = (
+            f" Partners of {several(self.missed, 'shape')} could not be searched for everywhere." if self.missed else ""
+        )
         return (
             f"qcrs.mode=topk: {kept:,} of {several(self.pairs, 'pair')} kept, {self.meaning}, and the selection saw "
             f"only these; of {2 * self.pairs:,} comparisons of a shape with another {self.compared:,} were made."
+            + missed
         )
 
     def schema(self) -> pa.Schema:
         """`pipeline.tables.QCRS` with these numbers and another meaning in its metadata."""
-        said = {name.encode(): str(value).encode() for name, value in asdict(self).items()}
+        told = asdict(self)
+        if not self.missed:
+            del told["missed"]  # as a rule: the table of a search without failures says nothing of them
+        said = {name.encode(): str(value).encode() for name, value in told.items()}
         meaning = f"Quick cross-reversibility score (paper §5.2) of {self.meaning} (ours).".encode()
         return tables.QCRS.with_metadata({**tables.QCRS.metadata, b"meaning": meaning, **said})
 
@@ -46,7 +57,5 @@ class Search:
 def read_search(metadata: Mapping[bytes, bytes] | None) -> Search | None:
     """What `Search.schema` wrote; None for the table of all pairs."""
     found = metadata or {}
-    names = [field.name for field in fields(Search)]
-    if not all(name.encode() in found for name in names):
-        return None
-    return Search(**{name: int(found[name.encode()]) for name in names})
+    told = {field.name: int(found[field.name.encode()]) for field in fields(Search) if field.name.encode() in found}
+    return Search(**told) if {"k", "shapes", "compared"} <= told.keys() else None

@@ -76,3 +76,21 @@ def expect_shape(artifact: Artifact, index: int, name: str = "") -> Shape:
     if shape is None:
         raise LookupError(f"the batch holds no shape at {index}")
     return shape
+
+
+def join_single(parts: Sequence[Artifact]) -> Artifact:
+    """Artifacts of a stage of shapes, each of one shape alone → what the stage makes of all of them as one batch.
+
+    Arrays whose names end in ``offsets`` are running sums from 0, here as in every stage of shapes; others are
+    concatenated.
+    """
+    arrays: dict[str, AnyArray] = {}
+    for name in parts[0].arrays:
+        found = [part.arrays[name] for part in parts]
+        if name.endswith("offsets"):
+            sizes = np.concatenate([np.zeros(1, np.int64), *(np.diff(offsets) for offsets in found)])
+            arrays[name] = np.cumsum(sizes, dtype=found[0].dtype)
+        else:
+            arrays[name] = np.concatenate(found)
+    errors = [{**row, "index": index} for index, part in enumerate(parts) for row in part.document["errors"]]
+    return Artifact(arrays, {"errors": errors})

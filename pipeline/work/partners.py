@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from pipeline.artifact import Artifact
+from pipeline.part import Part
 from pipeline.work.qcrs import COLUMNS
 from pipeline.work.qcrs import prepare as stack_of_batch
 from pipeline.work.shards import is_shard, unpack
-from riot.index import Partners, TrunkIndex, best_partners, join
+from riot.index import Partners, TrunkIndex, best_partners
+from riot.index import join as join_stacks
 from riot.parameters import QcrsParameters
 from riot.quick import BlockScores, TrunkStack, score_pairs
 from riot.shape import IntArray
@@ -22,6 +24,8 @@ ROUNDING = 1e-9
 
 FAIR = 0.25
 """Partners below this score are looked for pair by pair: the index knows no shape's own nearest, and hardly prunes."""
+
+_TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
 
 
 @dataclass(frozen=True)
@@ -37,8 +41,10 @@ def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex:
     return unpack(artifact) if is_shard(artifact) else stack_of_batch(artifact)
 
 
-def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Place) -> Artifact:
+def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Place | Part) -> Artifact:
     """Stack of a batch and index of a shard → rows (i in the batch, j in the shard), each i's best first.
+
+    A `Part` of the work is that of some rows i.
 
     Only scores above 0 count; among equals the earlier j comes first. ``trunk_i``, ``trunk_j`` and ``shift`` are of the
     pair with its earlier shape first, whichever of the two was looked up. ``compared`` of the document counts the pairs
@@ -46,19 +52,30 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Place) -> Artifa
     """
     settings, count = parameters
     query, index = inputs
-    scores, compared = find(query, index, count, settings, spec)
+    place, rows = (spec.whole, spec.rows) if isinstance(spec, Part) else (spec, (0, len(query)))
+    scores, compared = find(query, index, count, settings, place, range(*rows))
     return Artifact({name: np.asarray(getattr(scores, name)) for name in COLUMNS}, {"compared": compared})
 
 
+def join(parts: Sequence[Artifact], lost: Sequence[Part]) -> Artifact:
+    """What `run` makes of a batch, from all its parts, in any order; those that were ``lost`` have no rows."""
+    empty = {name: np.empty(0, _TYPES.get(name, np.int32)) for name in COLUMNS}
+    found = [empty, *(part.arrays for part in parts)]
+    rows = {name: np.concatenate([arrays[name] for arrays in found]) for name in COLUMNS}
+    order = np.argsort(rows["i"], kind="stable")  # all of one i are in one part, the best first
+    compared = sum(int(part.document["compared"]) for part in parts)
+    return Artifact({name: column[order] for name, column in rows.items()}, {"compared": compared})
+
+
 def find(
-    query: TrunkStack, index: TrunkIndex, count: int, settings: QcrsParameters, place: Place
+    query: TrunkStack, index: TrunkIndex, count: int, settings: QcrsParameters, place: Place, rows: range
 ) -> tuple[BlockScores, int]:
-    """Rows as `run` says, and the number of pairs compared."""
+    """Rows of shapes of the query as `run` says, and the number of pairs compared."""
     own = [place.first + i if place.first >= 0 else -1 for i in range(len(query))]
     # A copy, whose forest goes with it: as long as the index is kept there is no room for both.
     whole = replace(index.trunks)
-    found = [_nearest(query.shape(i), index, whole, count, settings, own[i]) for i in range(len(query))]
-    i = np.repeat(np.arange(len(query)), [len(one.scores.j) for one in found]).astype(np.int32)
+    found = [_nearest(query.shape(i), index, whole, count, settings, own[i]) for i in rows]
+    i = np.repeat(rows, [len(one.scores.j) for one in found]).astype(np.int32)
     columns = {name: np.concatenate([np.empty(0, np.int32), *(getattr(each.scores, name) for each in found)])
                for name in COLUMNS} | {"i": i}  # fmt: skip
     earlier = columns["j"] < np.array([*own, 0])[i] if place.first >= 0 else np.full(len(i), place.after)
@@ -66,8 +83,7 @@ def find(
     order = np.lexsort((columns["j"], -columns["score"], i))
     rank = np.arange(len(i)) - np.searchsorted(i, i)  # i ascends, before and after
     order = order[(rank < count) & (columns["score"][order] > 0)]
-    types = {"score": np.float64, "n": np.int8, "shift": np.int8}
-    scores = BlockScores(**{name: columns[name][order].astype(types.get(name, np.int32)) for name in COLUMNS})
+    scores = BlockScores(**{name: columns[name][order].astype(_TYPES.get(name, np.int32)) for name in COLUMNS})
     return scores, sum(each.compared for each in found)
 
 
@@ -101,7 +117,7 @@ def _turn(
     if len(rows) == 0:
         return
     numbers, place = np.unique(columns["j"][rows], return_inverse=True)
-    first = join([index.trunks.shape(int(j)) for j in numbers])
+    first = join_stacks([index.trunks.shape(int(j)) for j in numbers])
     pairs = np.column_stack([place, columns["i"][rows]]).astype(np.int64)
     again = score_pairs(first, query, pairs, settings, columns["score"][rows] * (1 - ROUNDING))
     for name in ("score", "n", "trunk_i", "trunk_j", "shift"):

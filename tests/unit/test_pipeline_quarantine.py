@@ -36,14 +36,15 @@ class Poisoned:
 
     def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
         for item in (item for bundle in bundles for item in bundle):
-            read = [Store(Path(root)).get(*source).document["of"] for source in item.sources]
-            digests = tuple(read[0]) if read else item.parts.inputs
+            read = [Store(Path(root)).get(*source).document["errors"] for source in item.sources]
+            digests = tuple(row["of"] for row in read[0]) if read else item.parts.inputs
             self.seen.append((item.stage, digests))
             found = [self.poison[item.stage, one] for one in digests if (item.stage, one) in self.poison]
             if found:
                 yield Receipt(item.stage, item.key, failure=found[0])
             else:
-                Store(Path(root)).put(item.parts, Artifact({}, {"of": list(digests)}))
+                rows = [{"index": index, "of": one} for index, one in enumerate(digests)]
+                Store(Path(root)).put(item.parts, Artifact({}, {"errors": rows}))
                 yield Receipt(item.stage, item.key)
 
 
@@ -114,7 +115,7 @@ def test_nothing_is_searched_where_nothing_was_lost(tmp_path: Path) -> None:
     assert len(executor.seen) == len(work(plan))
 
 
-def test_a_batch_that_fails_only_together_stays_failed(tmp_path: Path) -> None:
+def test_a_batch_that_fails_only_together_is_joined_from_its_shapes(tmp_path: Path) -> None:
     class Together(Poisoned):
         def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
             for bundle in bundles:
@@ -128,8 +129,11 @@ def test_a_batch_that_fails_only_together_stays_failed(tmp_path: Path) -> None:
     run = Run(Store(tmp_path), lambda event: None, lambda: executor)
     given = collection(NAMES)
     plan, left = bring_shapes(make_plan(config(tmp_path), given), given, run)
-    assert left.rejected == ()
-    assert run.failed == {plan.ingest[0].reference: HANGS}
+    clean = brought(tmp_path / "clean", NAMES, {})
+    assert left.rejected == () and not run.failed and run.done == clean[2].done
+    for item in work(plan):
+        assert run.store.get(*item.reference).document == clean[2].store.get(*item.reference).document
+    assert [stage.failed for stage in run.stages] == [0, 0, 0]
 
 
 def test_what_was_spent_is_counted_once_and_the_names_are_told(tmp_path: Path) -> None:

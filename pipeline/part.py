@@ -1,0 +1,47 @@
+"""Parts of what is done between two batches, or of a batch and a shard: what is halved to find what is deadly in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+Span = tuple[int, int]
+"""First number, and the one after the last."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some rows and columns of a block of pairs; ``whole`` is the spec of the work item that they are taken from.
+
+    Rows and columns are numbered within their batches. Where ``whole`` is True, both are of one batch, and only pairs
+    with row < column count. A search for partners has its shard as a single column.
+    """
+
+    whole: Any
+    rows: Span
+    columns: Span
+
+    def pairs(self) -> Iterator[tuple[int, int]]:
+        """(row, column) of all its pairs, in order."""
+        for row in range(*self.rows):
+            for column in range(*self.columns):
+                if row < column or self.whole is not True:
+                    yield row, column
+
+    def halves(self) -> list[Part]:
+        """Two to four parts that have all of its pairs, each once; none where it has one pair only."""
+        if len(list(islice(self.pairs(), 2))) < 2:
+            return []
+        found = (Part(self.whole, rows, columns) for rows in _halves(self.rows) for columns in _halves(self.columns))
+        # Rows after all columns have no pairs: half of a batch with an earlier half of the same.
+        return [part for part in found if any(part.pairs())]
+
+
+def _halves(span: Span) -> list[Span]:
+    low, high = span
+    if high - low < 2:
+        return [span]
+    middle = (low + high) // 2
+    return [(low, middle), (middle, high)]

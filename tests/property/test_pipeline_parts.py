@@ -1,0 +1,29 @@
+"""Halves of blocks: every pair once, and fewer each time, down to the pair."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.part import Part
+
+sizes = st.integers(0, 9)
+
+
+@given(st.booleans(), sizes, sizes)
+def test_halves_hold_every_pair_once(same: bool, rows: int, columns: int) -> None:
+    whole = Part(same, (0, rows), (0, rows if same else columns))
+    pairs = list(whole.pairs())
+    expected = [(i, j) for i in range(rows) for j in range(rows if same else columns) if i < j or not same]
+    assert pairs == expected
+    level = [whole]
+    while level:
+        halves = [half for part in level for half in part.halves()]
+        single = [part for part in level if not part.halves()]
+        assert all(len(list(part.pairs())) <= 1 for part in single)
+        assert sorted(pair for part in (*halves, *single) for pair in part.pairs()) == sorted(
+            pair for part in level for pair in part.pairs()
+        )
+        assert all(len(list(half.pairs())) < len(list(part.pairs())) for part in level for half in part.halves())
+        assert all(any(half.pairs()) for half in halves)
+        level = halves
