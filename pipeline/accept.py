@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from pipeline.causes import explain, gather
 from pipeline.closure import code_digests, library_versions
-from pipeline.explain import explain, gather
 from pipeline.keys import KeyParts
 from pipeline.stages import STAGES, Stage
 from pipeline.store import Entry, State, Store
@@ -41,14 +41,11 @@ def accept(store: Store, keys: Mapping[str, Sequence[str]], *, dry_run: bool = F
             entry = store.entry(stage.name, key)
             if entry is None:
                 raise KeyError(f"no artifact {stage.name}/{key}")
-            old = _parts(entry)
+            old = parts_of(entry)
             new = _renewed(old, stage, renamed)
             renamed[key] = new.key()
             if stage.name == "ingest":
-                # Work on one shape is named after it alone, not after the batch that it was in.
-                for digest in old.inputs:
-                    alone = replace(old, inputs=(digest,))
-                    renamed[alone.key()] = _renewed(alone, stage, renamed).key()
+                renamed |= {alone.key(): _renewed(alone, stage, renamed).key() for alone in old.each_input()}
             if new.key() == key:
                 continue
             changes.update(explain(new.to_json(), gather([old.to_json()])))
@@ -61,7 +58,8 @@ def accept(store: Store, keys: Mapping[str, Sequence[str]], *, dry_run: bool = F
     return Acceptance(accepted, changes)
 
 
-def _parts(entry: Entry) -> KeyParts:
+def parts_of(entry: Entry) -> KeyParts:
+    """The parts of a stored key."""
     values: Mapping[str, Any] = entry.parts
     return KeyParts(
         entry.stage, values["parameters"], tuple(values["inputs"]), values["code"], values["versions"], values["schema"]

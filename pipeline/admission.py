@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from pipeline.causes import explain, gather
 from pipeline.closure import code_digests, library_versions
-from pipeline.explain import explain, gather
 from pipeline.keys import SCHEMA
 from pipeline.places.base import Place
 from pipeline.stages import STAGES

@@ -15,11 +15,14 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.accept import accept
+from pipeline.accept import accept, parts_of
+from pipeline.closure import code_digests, library_versions
 from pipeline.errors import PayloadError, StartError
+from pipeline.keys import SCHEMA, KeyParts
 from pipeline.places.base import place_of
 from pipeline.record import ARTIFACTS
 from pipeline.remarks import several
+from pipeline.stages import STAGES
 from pipeline.store import State, Store, folder_name
 
 OK, DAMAGED, BAD_START = 0, 3, 2
@@ -33,14 +36,54 @@ class Usage:
     artifacts: int
     size: int
     """Bytes of all its files."""
+    stale: int
+    stale_size: int
+    """How many of them are stale (see `stale`), and their bytes."""
 
 
 def usage(store: Store) -> list[Usage]:
     """Artifacts and bytes by stage."""
-    found: dict[str, list[int]] = {}
+    old = stale(store)
+    found: dict[str, list[tuple[int, bool]]] = {}
     for stage, key in store.folders():
-        found.setdefault(stage, []).append(sum(store.files.sizes(folder_name(stage, key)).values()))
-    return [Usage(stage, len(sizes), sum(sizes)) for stage, sizes in sorted(found.items())]
+        size = sum(store.files.sizes(folder_name(stage, key)).values())
+        found.setdefault(stage, []).append((size, (stage, key) in old))
+    return [
+        Usage(stage, len(sizes), sum(size for size, _ in sizes), sum(old for _, old in sizes),
+              sum(size for size, old in sizes if old))
+        for stage, sizes in sorted(found.items())
+    ]  # fmt: skip
+
+
+def stale(store: Store) -> set[tuple[str, str]]:
+    """(stage, key) of every artifact that other code or libraries made than are here, or that stands on such a one.
+
+    No run with this code reads them, whatever its parameters and pictures; nor those whose manifest is damaged.
+    """
+    found: set[tuple[str, str]] = set()
+    names: set[str] = set()  # what names them as an input: their keys, and those of single shapes
+    makers = {**{stage.name: stage.module for stage in STAGES}, "index": "pipeline.index"}
+    for stage in dict.fromkeys((*makers, *store.files.names(""))):
+        module = makers.get(stage)
+        here = (code_digests(module), library_versions(module), SCHEMA) if module else None
+        for _, key in store.folders(stage):
+            parts = _parts(store, stage, key)
+            as_here = parts is not None and (parts.code, parts.versions, parts.schema) == here
+            if parts is not None and as_here and names.isdisjoint(parts.inputs):
+                continue
+            found.add((stage, key))
+            names.add(key)
+            if parts is not None and stage == "ingest":
+                names.update(alone.key() for alone in parts.each_input())
+    return found
+
+
+def _parts(store: Store, stage: str, key: str) -> KeyParts | None:
+    try:
+        entry = store.entry(stage, key)
+    except (PayloadError, OSError):
+        return None
+    return None if entry is None else parts_of(entry)
 
 
 def damaged(store: Store) -> list[tuple[str, str]]:
@@ -98,12 +141,16 @@ def _show_usage(found: Sequence[Usage], console: Console) -> None:
     table = Table()
     table.add_column("stage")
     table.add_column("artifacts", justify="right")
-    table.add_column("MB", justify="right")
-    for one in found:
-        table.add_row(one.stage, f"{one.artifacts:,}", f"{one.size / 1e6:,.1f}")
-    table.add_section()
-    table.add_row("all", f"{sum(one.artifacts for one in found):,}", f"{sum(one.size for one in found) / 1e6:,.1f}")
+    for title in ("MB", "stale", "stale MB"):
+        table.add_column(title, justify="right")
+    sums = (sum(getattr(one, name) for one in found) for name in ("artifacts", "size", "stale", "stale_size"))
+    for one in (*found, Usage("all", *sums)):
+        if one.stage == "all":
+            table.add_section()
+        megabytes = [f"{size / 1e6:,.1f}" for size in (one.size, one.stale_size)]
+        table.add_row(one.stage, f"{one.artifacts:,}", megabytes[0], f"{one.stale:,}", megabytes[1])
     console.print(table)
+    console.print("Stale: made by other code or libraries than are here, or from what was.")
 
 
 def _verify(store: Store, console: Console) -> int:
@@ -119,6 +166,8 @@ def _verify(store: Store, console: Console) -> int:
 
 def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, console: Console) -> int:
     keep, runs = needed(options.outputs)
+    if options.stale:
+        keep -= stale(store)
     if runs == 0:
         raise StartError(
             f"{options.outputs}: no finished run here names what it needs, so that everything would go; "
@@ -182,6 +231,11 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("--store", type=place_of, default=Path("store"), help="folder or URL (default: store)")
         if name == "gc":
             command.add_argument("--outputs", type=Path, default=Path("outputs"), help="runs to keep for")
+            command.add_argument(
+                "--stale",
+                action="store_true",
+                help="also what finished runs need of other code or libraries than are here",
+            )
             command.add_argument("--alone", action="store_true", help="no run is using the store: it cannot be known")
         if name == "accept":
             command.add_argument("--run", type=Path, required=True, help="folder of the run, as outputs/mpeg7")

@@ -1,16 +1,14 @@
-"""Plans shown, and misses explained: what would run, how long, and which component of the key changed."""
+"""Plans shown, and misses explained: what would run, how long, and why."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.artifact import canonical_json
+from pipeline.causes import Causes, Pictures
 from pipeline.config import Config
 from pipeline.datasets import collect
 from pipeline.plan import (
@@ -32,7 +30,8 @@ from pipeline.results import certified, least_deformed
 from pipeline.stages import BY_NAME
 from pipeline.store import State, Store
 
-Changes = tuple[str, ...]
+MOST_SHOWN = 20
+"""Lines of causes for each stage."""
 
 KNOWN_AFTER = {
     "trunks_full": "the selection",
@@ -59,6 +58,8 @@ class StageForecast:
     seconds: float | None
     """Estimate of the work left on one worker, from what the stage's artifacts in the store once took."""
     missing: tuple[WorkItem, ...]
+    pictures: Pictures | None = None
+    """Of the stage that reads them."""
 
 
 def forecast(config: Config, store: Store) -> list[StageForecast]:
@@ -67,8 +68,10 @@ def forecast(config: Config, store: Store) -> list[StageForecast]:
     Raises `pipeline.datasets.DatasetError` when there is no collection.
     """
     plan = make_plan(config, collect(config.dataset))
+    pictures = Pictures(frozenset(item.digest for item in plan.items), config.outputs / config.dataset.name)
     static = (("ingest", plan.ingest), ("reversibility", plan.reversibility), ("trunks", plan.trunks))
     found = [_stage(store, name, items) for name, items in static]
+    found[0] = replace(found[0], pictures=pictures)
     scored = tuple(plan.qcrs.values())
     if plan.pairs is None:
         found.append(_stage(store, "qcrs", scored))
@@ -165,6 +168,7 @@ def show_plan(forecasts: Sequence[StageForecast], config: Config, console: Conso
 
 def show_explanation(forecasts: Sequence[StageForecast], store: Store, console: Console) -> None:
     """Print for every stage with work left which components of its keys changed, old and new."""
+    causes = Causes(store, next((one.pictures for one in forecasts if one.pictures is not None), None))
     for one in forecasts:
         if one.items is None:
             console.print(f"{one.stage}: known after {KNOWN_AFTER[one.stage]}", highlight=False)
@@ -172,73 +176,9 @@ def show_explanation(forecasts: Sequence[StageForecast], store: Store, console: 
             console.print(f"{one.stage}: all {one.items} cached", highlight=False)
         else:
             console.print(f"{one.stage}: {len(one.missing)} of {one.items} to do, because", highlight=False)
-            for text, count in reasons(one.missing, store).most_common():
+            found = causes.of(one.missing).most_common()
+            for text, count in found[:MOST_SHOWN]:
                 console.print(f"  {count} × {text}", highlight=False, markup=False, soft_wrap=True)
-
-
-def reasons(missing: Iterable[WorkItem], store: Store) -> Counter[str]:
-    """Why work items are not in the store, counted: against the nearest of what the store has of the same stage."""
-    found: Counter[str] = Counter()
-    known: dict[str, list[Known]] = {}
-    for item in missing:
-        if item.stage not in known:
-            known[item.stage] = gather(entry.parts for entry in store.entries(item.stage))
-        if store.state(*item.reference) is State.CORRUPT:
-            found["corrupt: the stored artifact is torn, truncated or altered"] += 1
-        else:
-            found["; ".join(explain(item.parts.to_json(), known[item.stage]))] += 1
-    return found
-
-
-@dataclass(frozen=True)
-class Known:
-    """Stored keys that differ in their inputs only: what they share, and all their inputs."""
-
-    shared: Mapping[str, Any]
-    inputs: frozenset[str]
-
-
-def gather(stored: Iterable[Mapping[str, Any]]) -> list[Known]:
-    """Group the parts of stored keys by everything but their inputs, so that thousands of keys are a few groups."""
-    groups: dict[str, tuple[Mapping[str, Any], set[str]]] = {}
-    for parts in stored:
-        shared = _shared(parts)
-        groups.setdefault(canonical_json(shared), (shared, set()))[1].update(parts["inputs"])
-    return [Known(shared, frozenset(inputs)) for shared, inputs in groups.values()]
-
-
-def explain(parts: Mapping[str, Any], known: Sequence[Known]) -> Changes:
-    """Which components of a key differ from the nearest of the ``known`` ones, with old and new values."""
-    if not known:
-        return ("new: nothing of this stage is in the store",)
-    new, inputs = _shared(parts), set(parts["inputs"])
-    nearest = min(known, key=lambda old: (len(_differences("", old.shared, new)), -len(inputs & old.inputs)))
-    changes = _differences("", nearest.shared, new)
-    if changes:
-        return tuple(changes)
-    if inputs <= nearest.inputs:
-        return ("inputs: known ones in a new combination, or under other names",)
-    return (f"inputs: {len(inputs - nearest.inputs)} of {len(inputs)} are new",)
-
-
-def _shared(parts: Mapping[str, Any]) -> dict[str, Any]:
-    # parameters.item is what tells one work item from another beside its inputs.
-    parameters = {name: value for name, value in parts["parameters"].items() if name != "item"}
-    return {"schema": parts["schema"], "parameters": parameters, "code": parts["code"], "versions": parts["versions"]}
-
-
-def _differences(name: str, old: Any, new: Any) -> list[str]:
-    if isinstance(old, Mapping) and isinstance(new, Mapping):
-        found = []
-        for part in sorted(old.keys() | new.keys()):
-            found += _differences(f"{name}.{part}".lstrip("."), old.get(part), new.get(part))
-        return found
-    if old == new:
-        return []
-    if name.startswith("code."):
-        return [f"{name} {_short(old)} → {_short(new)}"]
-    return [f"{name} {old!r} → {new!r}"]
-
-
-def _short(digest: Any) -> str:
-    return digest[:8] if isinstance(digest, str) else "absent"
+            if found[MOST_SHOWN:]:
+                left = sum(count for _, count in found[MOST_SHOWN:])
+                console.print(f"  {left} × other combinations of such causes", highlight=False)

@@ -10,8 +10,8 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -48,6 +48,10 @@ class KeyParts:
             "code": dict(self.code),
             "versions": dict(self.versions),
         }
+
+    def each_input(self) -> Iterator[KeyParts]:
+        """The same work on one input alone: what is done with a shape of a batch is named after this, not the batch."""
+        return (replace(self, inputs=(name,)) for name in self.inputs)
 
     def key(self) -> str:
         """The content key: 64 hexadecimal digits."""

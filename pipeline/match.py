@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 
+from pipeline.causes import explain, gather
 from pipeline.config import Config, make_config
 from pipeline.errors import ConfigError, PayloadError, StartError
-from pipeline.explain import explain, gather
 from pipeline.index import load_index
 from pipeline.keys import digest_bytes
 from pipeline.places.base import Place, place_of

@@ -15,7 +15,7 @@ from pipeline.accept import accept
 from pipeline.artifact import Artifact
 from pipeline.config import Config
 from pipeline.datasets import DatasetConfig, collect
-from pipeline.explain import reasons
+from pipeline.causes import reasons
 from pipeline.plan import (
     WorkItem,
     make_plan,

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from pipeline.artifact import Artifact
-from pipeline.explain import explain, gather, reasons
+from pipeline.causes import explain, gather, reasons
 from pipeline.keys import KeyParts
 from pipeline.plan import WorkItem
 from pipeline.store import PAYLOAD, Store
