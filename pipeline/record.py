@@ -21,6 +21,7 @@ RECORD = "run.json"
 ARTIFACTS = "artifacts.json"
 REPORT = "report.html"
 GALLERY = "gallery"
+STUDY = "study"
 FORMAT = "riot-run"
 VERSION = 1
 SHOWING = ("pipeline.write", "pipeline.report")

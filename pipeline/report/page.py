@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from pipeline.record import GALLERY
+from pipeline.record import GALLERY, STUDY
 from pipeline.remarks import remarks, several
 from pipeline.report.beside import beside
 from pipeline.report.card import Card
@@ -50,7 +50,8 @@ def page(run: Run, cards: Sequence[Card], lost: Sequence[tuple[TransformRow, str
         f"{hidden_definitions(one.definitions for one in cards)}"
         f"{_top(run, name)}<main>\n{_gallery(run, cards, len(gallery))}{_best(run, links)}{printed}{compared}"
         f"{_scores(run)}{_timings(run)}{_rejected(run, lost)}{_errors(run)}{_settings(run)}</main>\n"
-        "<footer>Written from the tables beside this page; it needs no network and no script.</footer>\n"
+        "<footer>Written from the tables beside this page; it needs no network and no script. "
+        f'What they tell of the scores: <a href="{STUDY}/index.html">studies</a>.</footer>\n'
     )
     return document(f"{name} · reversible transforms", f"<style>{style_sheet()}</style>", body)
 

@@ -15,6 +15,7 @@ from pipeline.report.page import SHOWN_CARDS, dataset_name, page
 from pipeline.report.rows import TransformRow, read_run
 from pipeline.report.script import SCRIPT_TEXT
 from pipeline.report.single import single
+from pipeline.report.studies import write_contents
 from pipeline.report.thumb import thumb
 from pipeline.skins import read_skins
 from pipeline.store import write_atomically
@@ -40,7 +41,8 @@ def write_report(run_dir: Path) -> Path:
     """Write ``report.html`` and ``gallery/`` into the folder of a finished run; returns the report's path.
 
     Both depend on the run's tables, `run.json`, transforms and skins alone: the same ones give the same bytes; the
-    gallery shows no times, so equal runs have equal galleries. A transform whose file is gone or damaged is listed as
+    gallery shows no times, so equal runs have equal galleries. The page of studies, to which the report leads, is
+    written as well. A transform whose file is gone or damaged is listed as
     such instead of stopping the report. Raises `pipeline.report.rows.ReportError` (a FileNotFoundError) if a table is
     missing. Ours.
     """
@@ -64,6 +66,7 @@ def write_report(run_dir: Path) -> Path:
     _write(temporary / STYLE, gallery_style())
     _write(temporary / SCRIPT, SCRIPT_TEXT)
     replace_folder(temporary, run_dir / GALLERY)
+    write_contents(run_dir)
     target = run_dir / REPORT
     links = {row.rank: f"{GALLERY}/{page_name(row)}" for row in rows}
     write_atomically(target, page(run, cards, lost, links).encode())

@@ -20,6 +20,8 @@ from pipeline.config import build
 from pipeline.errors import ConfigError
 from pipeline.exits import BAD_START, CLEAN
 from pipeline.flow import run_folder
+from pipeline.record import STUDY
+from pipeline.report.studies import write_contents
 from pipeline.study.findings import write_findings
 from pipeline.study.finished import Finished
 from pipeline.study.registry import STUDIES
@@ -51,7 +53,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warm_all(say)
         folder = run_folder(config)
         found = study.run(Finished.open(folder), parameters, say)
-        page = write_findings(found, folder / "study" / name)
+        page = write_findings(found, folder / STUDY / name)
+        write_contents(folder)
     except RiotError as error:
         complaints.print(str(error), style="red", markup=False)
         return BAD_START

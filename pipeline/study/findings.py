@@ -16,16 +16,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from pipeline.report.markup import section, table
+from pipeline.report.markup import document, section, table
 from pipeline.report.style import style_sheet
 from pipeline.store import write_atomically
+from pipeline.studies import LEAD, PAGE, TABLE
 from pipeline.tables import schema
 from riot.draw.svg import escape
-
-TABLE, PAGE = "table.parquet", "report.html"
-
-TIMES = "times.parquet"
-"""What varies between equal runs, so that `TABLE` does not."""
 
 DOTS_PER_INCH = 160
 
@@ -74,7 +70,8 @@ def write_findings(found: Findings, folder: Path) -> Path:
     The same findings give the same bytes.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    write_atomically(folder / TABLE, encoded(found.table))
+    said = {**(found.table.schema.metadata or {}), LEAD: found.lead.encode()}
+    write_atomically(folder / TABLE, encoded(found.table.replace_schema_metadata(said)))
     for name, content in found.files.items():
         write_atomically(folder / name, content)
     shown = []
@@ -130,11 +127,9 @@ def _page(found: Findings, pictures: Sequence[str]) -> str:
     ]
     if pictures:
         sections.append(section("figures", "Figures", f'<div class="plots">{"".join(pictures)}</div>'))
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(found.title)}</title>\n<style>{style_sheet()}</style></head>\n<body>\n"
-        f'<header class="top"><p class="kicker">Study</p><h1>{escape(found.title)}</h1>'
+    body = (
+        f'<header class="top"><p class="kicker"><a href="../index.html">Studies</a></p><h1>{escape(found.title)}</h1>'
         f'<p class="lead">{escape(found.lead)}</p></header>\n<main>\n{"".join(sections)}</main>\n'
-        f"<footer>Every value is in {TABLE} beside this page.</footer>\n</body></html>\n"
+        f"<footer>Every value is in {TABLE} beside this page.</footer>\n"
     )
+    return document(found.title, f"<style>{style_sheet()}</style>", body)

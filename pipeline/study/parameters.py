@@ -12,8 +12,9 @@ import pyarrow as pa
 from matplotlib.figure import Figure
 
 from pipeline.errors import ConfigError
+from pipeline.studies import TIMES
 from pipeline.study import plots
-from pipeline.study.findings import TIMES, Findings, Sheet, encoded, of_columns
+from pipeline.study.findings import Findings, Sheet, encoded, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.groundtruth import PIECES
 from pipeline.study.hidden import hide

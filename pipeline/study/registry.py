@@ -1,13 +1,14 @@
-"""The studies by name."""
+"""The studies by name. What a study is lies in the module of its name, which is loaded when it is asked for."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
-from pipeline.study import consistency, distributions, groundtruth, parameters, quiz, sigmas, timing
+from pipeline.studies import MEANINGS
 from pipeline.study.findings import Findings
 from pipeline.study.finished import Finished
 
@@ -16,21 +17,25 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Study:
-    """A study: what it tells in a line, its parameters, a dataclass with defaults, and what makes its findings."""
+    """A study: its name, and what it tells in a line.
 
+    Its module has ``Parameters``, a dataclass with defaults, and ``study``, which makes its findings.
+    """
+
+    name: str
     meaning: str
-    parameters: type
-    run: Callable[[Finished, Any, Say], Findings]
+
+    @property
+    def parameters(self) -> type:
+        """What it can be told."""
+        return self._module().Parameters  # type: ignore[no-any-return]
+
+    def run(self, finished: Finished, parameters: Any, say: Say) -> Findings:
+        """Make its findings of a run."""
+        return self._module().study(finished, parameters, say)  # type: ignore[no-any-return]
+
+    def _module(self) -> Any:
+        return import_module(f"pipeline.study.{self.name}")
 
 
-STUDIES: Mapping[str, Study] = MappingProxyType(
-    {
-        "consistency": Study("how far QCRS orders pairs as CRS does", consistency.Parameters, consistency.study),
-        "distributions": Study("how scores are spread, by class", distributions.Parameters, distributions.study),
-        "groundtruth": Study("whether hidden exact pairs are found", groundtruth.Parameters, groundtruth.study),
-        "parameters": Study("what the method's parameters do", parameters.Parameters, parameters.study),
-        "quiz": Study("pairs to judge, as the paper's people did", quiz.Parameters, quiz.study),
-        "sigmas": Study("what a greater σ_A of QCRS gains and costs", sigmas.Parameters, sigmas.study),
-        "timing": Study("what each step costs, beside the paper", timing.Parameters, timing.study),
-    }
-)
+STUDIES: Mapping[str, Study] = MappingProxyType({name: Study(name, meaning) for name, meaning in MEANINGS.items()})

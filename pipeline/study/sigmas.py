@@ -10,9 +10,10 @@ import numpy as np
 import pyarrow as pa
 
 from pipeline.errors import ConfigError
+from pipeline.studies import TIMES
 from pipeline.study import plots
 from pipeline.study.consistency import uniform
-from pipeline.study.findings import TIMES, Findings, Sheet, encoded, of_columns
+from pipeline.study.findings import Findings, Sheet, encoded, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.partners import Partners
 from pipeline.study.statistics import Agreement, agreement
@@ -30,7 +31,7 @@ class Parameters:
     sigma_area: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5)
     pairs: int = 3000
     draws: int = 1000
-    shapes: int = 200
+    shapes: int = 120
     repeats: int = 3
     seed: int = 2018
 

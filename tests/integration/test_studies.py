@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from html_page import Page
 from small_runs import CLEAN, pictures, run
 
+from pipeline.report.studies import write_contents
 from pipeline.study.__main__ import main
 from pipeline.study.registry import STUDIES
 from pipeline.study.statistics import agreement
@@ -62,6 +64,22 @@ def test_every_study_writes_a_table_with_units_figures_and_a_page(made: dict[str
     assert page.count("<figure") == len(list(folder.glob("*.svg"))) > 0
     assert {path.stem for path in folder.glob("*.svg")} == {path.stem for path in folder.glob("*.png")}
     assert "http://" not in page.replace("http://www.w3.org", "") and "<script" not in page
+
+
+def test_the_page_of_studies_tells_what_each_found_or_how_to_make_it(where: Path, made: dict[str, Path]) -> None:
+    index = made["timing"].parent / "index.html"
+    text = index.read_text(encoding="utf-8")
+    page = Page(text)
+    links = [link["href"] for link in page.all("a")]
+    assert links == ["../report.html", *(f"{name}/report.html" for name in STUDIES)]
+    assert all((index.parent / link).is_file() for link in links)
+    assert "ordered alike by QCRS and CRS in" in text and "python -m" not in text
+    (made["timing"] / "table.parquet").rename(made["timing"] / "kept")
+    write_contents(index.parents[1])
+    assert "python -m pipeline.study timing" in index.read_text(encoding="utf-8")
+    (made["timing"] / "kept").rename(made["timing"] / "table.parquet")
+    write_contents(index.parents[1])
+    assert index.read_text(encoding="utf-8") == text
 
 
 def test_the_same_study_gives_the_same_bytes(where: Path, made: dict[str, Path]) -> None:
