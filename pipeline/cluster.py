@@ -7,7 +7,6 @@ import logging
 import os
 import shutil
 import signal
-import sys
 import threading
 import time
 from collections import deque
@@ -32,7 +31,7 @@ MAX_ATTEMPTS = 3
 """A task is tried so often when workers are lost under it."""
 
 PATIENCE = 10
-"""Seconds without a result after which missing workers are looked for, and that receipts may take to arrive."""
+"""Seconds after which missing workers are looked for, and that receipts may take to arrive."""
 
 BETWEEN_LOOKS = 1
 """Seconds between looks for workers while there is none."""
@@ -109,8 +108,8 @@ class _Task:
 class OnDask:
     """On a Dask cluster, with a bounded window of futures: the scheduler holds keys and receipts, never geometry.
 
-    ``revive`` is called whenever nothing has come for a while: it may start workers where some are missing. With
-    ``admission`` only workers that it admits get tasks.
+    ``revive`` is called now and then: it may start workers where some are missing. With ``admission`` only workers that
+    it admits get tasks.
     """
 
     client: Any
@@ -155,11 +154,13 @@ class OnDask:
                 submit(*suspects.popleft(), threads)
 
         fill()
+        looked = time.monotonic()
         try:
             while running or waiting or suspects:
                 ended = self._ended(running)
-                if not ended:
+                if not ended or time.monotonic() > looked + PATIENCE:
                     self.revive()
+                    looked = time.monotonic()
                 for future in ended:
                     of = running.pop(future)
                     receipts = _receipts(future)
@@ -267,56 +268,49 @@ def _slurm(config: ClusterConfig, root: Place | None, listen: Listener) -> Itera
     from distributed import Client
 
     _quiet()
-    if shutil.which("sbatch") is None:
-        raise StartError("cluster=slurm: there is no `sbatch` here; start the run on a machine that submits Slurm jobs")
-    with slurm_cluster(config) as cluster, Client(cluster) as client:
-        cluster.scale(jobs=config.jobs)
-        executor = _admitting(client, config, root, listen, "look at `squeue`")
-        # Jobs end with their time; scaling to the same number submits others.
-        yield replace(executor, revive=lambda: cluster.scale(jobs=config.jobs))
-
-
-def slurm_cluster(config: ClusterConfig) -> Any:
-    """The jobs of ``cluster=slurm`` and their scheduler, which runs in this process; no job is submitted yet.
-
-    Raises `StartError` without dask-jobqueue.
-    """
+    for name in ("sbatch", "scancel"):
+        if shutil.which(name) is None:
+            raise StartError(f"cluster=slurm: there is no `{name}` here; start the run where Slurm jobs are submitted")
     try:
-        from dask_jobqueue import SLURMCluster
+        from pipeline.slurm import Jobs, slurm_cluster
     except ImportError as error:
         raise StartError("cluster=slurm needs dask-jobqueue: pip install 'riot-shapes[slurm]'") from error
-    workers = config.workers or 1
-    return SLURMCluster(
-        cores=workers,
-        processes=workers,
-        memory=config.memory,
-        walltime=config.walltime,
-        queue=config.queue,
-        account=config.account,
-        interface=config.interface,
-        log_directory=config.logs,
-        job_extra_directives=list(config.options),
-        job_script_prologue=[f"export {name}={value}" for name, value in ONE_THREAD.items()],
-        # The scheduler ends a job; a limit on memory would kill workers by the machine's size.
-        worker_extra_args=["--memory-limit", "0"],
-        python=sys.executable,
-        scheduler_options={"dashboard_address": ":8787" if config.dashboard else ":0"},
-    )
+    try:
+        cluster = slurm_cluster(config)
+    except (OSError, RuntimeError, ValueError) as error:  # no such interface, a size that is none, a folder for logs
+        raise StartError(f"cluster=slurm: {error}; conf/cluster/slurm.yaml has its parameters") from error
+    with cluster, Client(cluster) as client:
+        jobs = Jobs(cluster, config.jobs, lambda text: listen(Note(text)))
+        jobs.submit()
+        executor = _admitting(client, config, root, listen, "look at `squeue`", lambda: jobs.refusals)
+        yield replace(executor, revive=jobs.submit)
 
 
-def _admitting(client: Any, config: ClusterConfig, root: Place | None, listen: Listener, hint: str) -> OnDask:
-    """An executor on the client's workers that will do, as soon as there is one; ``hint``: how to get workers."""
+def _admitting(
+    client: Any,
+    config: ClusterConfig,
+    root: Place | None,
+    listen: Listener,
+    hint: str,
+    refusals: Callable[[], list[str]] = list,
+) -> OnDask:
+    """An executor on the client's workers that will do, as soon as there is one.
+
+    ``hint`` says how to get workers; ``refusals`` why there will be none, if that is known.
+    """
+    where = f"cluster.address={config.address}" if config.address else f"cluster={config.kind}"
     admission = Admission(client, root, lambda text: listen(Note(text)))
     until = time.monotonic() + config.wait
     while not admission.threads():
+        if said := refusals():
+            raise StartError(f"{where}: no job could be submitted: {'; '.join(said)}")
         if time.monotonic() < until:
             time.sleep(min(BETWEEN_LOOKS, config.wait / 4))
         elif admission.refusals:
             raise StartError("cluster: none of its workers will do\n  " + "\n  ".join(admission.refusals))
         else:
-            where = config.address or f"cluster={config.kind}"
             raise StartError(
-                f"cluster.address={where}: the scheduler has no worker after {config.wait} s; {hint}, or wait longer "
+                f"{where}: the scheduler has no worker after {config.wait} s; {hint}, or wait longer "
                 "with cluster.wait=SECONDS"
             )
     return OnDask(client, partial(perform_on_worker, limit=config.limit), admission=admission)

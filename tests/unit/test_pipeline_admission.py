@@ -7,12 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from pipeline.admission import NAMED, Admission, identity, objection
 from pipeline.closure import code_digests, library_versions
-from pipeline.cluster import slurm_cluster
-from pipeline.config import ClusterConfig
 from pipeline.stages import STAGES
 
 
@@ -91,28 +87,3 @@ def test_workers_may_go_and_come_back(tmp_path: Path) -> None:
     assert told == ["all workers have gone: waiting for others to join"]
     cluster.workers = {"good": lambda ask: (other(code={"riot.trunks": ""}), True)}  # another process at its address
     assert admission.threads() == {} and "is refused" in told[-1]
-
-
-def test_slurm_jobs_are_what_the_configuration_says(tmp_path: Path) -> None:
-    pytest.importorskip("dask_jobqueue")
-    config = ClusterConfig(
-        "slurm",
-        workers=6,
-        jobs=2,
-        memory="12GB",
-        walltime="00:30:00",
-        queue="short",
-        account="shapes",
-        logs=str(tmp_path / "logs"),
-        options=("--qos=long", "--exclusive"),
-        interface="lo",
-    )
-    with slurm_cluster(config) as cluster:
-        script = cluster.job_script()
-    head = [line.removeprefix("#SBATCH ") for line in script.splitlines() if line.startswith("#SBATCH")]
-    wanted = {"-p short", "-A shapes", "-t 00:30:00", "--cpus-per-task=6", "--qos=long", "--exclusive"}
-    assert wanted <= set(head) and any(line.startswith("--mem=12G") for line in head)
-    assert any(line.startswith(f"-o {tmp_path / 'logs'}") for line in head)
-    assert "export OMP_NUM_THREADS=1" in script and "export NUMBA_NUM_THREADS=1" in script
-    (worker,) = [line for line in script.splitlines() if "distributed.cli.dask_worker" in line]
-    assert "--nworkers 6" in worker and "--nthreads 1" in worker and "--memory-limit 0" in worker
