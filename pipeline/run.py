@@ -1,7 +1,7 @@
 """Entry point: ``python -m pipeline.run [+dataset=NAME] [name=value …] [--plan | --explain] [-m]``.
 
-Exit codes: 0 clean, 3 finished with errors, 2 could not start, 130 interrupted; of a sweep the greatest of its jobs',
-where 1 is a job that broke off.
+Exit codes: 0 clean, 3 finished with errors, 2 could not start, 1 had to stop (a full disk, a failing machine …), 130
+interrupted; of a sweep the greatest of its jobs'. After 1 and 130 the same command goes on from there.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ from pipeline.command import (
     sweep_values,
 )
 from pipeline.config import Config
-from pipeline.errors import PipelineError
+from pipeline.datasets import DatasetError
+from pipeline.errors import ConfigError, StartError
 from pipeline.exits import BAD_START, CLEAN, FAILED, INTERRUPTED
 from riot.errors import RiotError
 
@@ -51,7 +52,7 @@ class _Ended:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code of the run, of a sweep the worst one."""
-    console, complaints = _console(), Console(stderr=True, soft_wrap=True)
+    console, complaints = _console(), Console(stderr=True, soft_wrap=True, emoji=False)
     given = complete(sys.argv[1:] if arguments is None else arguments)
     config: Config | None = None
     try:
@@ -68,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _tell_sweep(given, config.outputs, ended, console)
     except KeyboardInterrupt:
         return _interrupted(complaints)
-    except RiotError as error:
+    except (RiotError, OSError) as error:
         return _refused(error, complaints).code
     return max((job.code for _, job in ended), default=CLEAN)
 
@@ -76,9 +77,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console) -> list[tuple[Sequence[str], _Ended]]:
     """Have Hydra compose and run every job; returns the overrides of each and how it ended."""
     ended: list[tuple[Sequence[str], _Ended]] = []
+    begun = False
 
     @hydra.main(version_base=HYDRA_BASE, config_path=str(CONF), config_name="config")
     def job(composed: DictConfig) -> None:
+        nonlocal begun
+        begun = True
         chosen = list(HydraConfig.get().overrides.task)
         if is_multirun(arguments):
             ended.append((chosen, _job(composed, sweep_point(arguments, chosen), console, complaints)))
@@ -89,7 +93,8 @@ def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console)
     try:
         job()
     except SystemExit as stop:  # Hydra has said why
-        return [*ended, ((), _Ended(BAD_START if stop.code else CLEAN))]
+        failed = FAILED if begun else BAD_START
+        return [*ended, ((), _Ended(failed if stop.code else CLEAN))]
     finally:
         sys.argv = program
     return ended
@@ -152,10 +157,12 @@ def _show(config: Config, console: Console) -> int:
     return CLEAN
 
 
-def _refused(error: RiotError, complaints: Console) -> _Ended:
-    kind = "Cannot start" if isinstance(error, PipelineError | OSError) else type(error).__name__
-    complaints.print(f"{kind}: {error}", style="red", highlight=False, markup=False)
-    return _Ended(BAD_START, message=str(error))
+def _refused(error: Exception, complaints: Console) -> _Ended:
+    """Say what keeps a run from starting, or ended it once it had started: their exit codes differ."""
+    started = not isinstance(error, ConfigError | DatasetError | StartError)
+    said = "Stopped" if started else "Cannot start"
+    complaints.print(f"{said}: {error}", style="red", highlight=False, markup=False)
+    return _Ended(FAILED if started else BAD_START, message=str(error))
 
 
 def _interrupted(complaints: Console) -> int:
@@ -164,8 +171,8 @@ def _interrupted(complaints: Console) -> int:
 
 
 def _console() -> Console:
-    console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=PIPED_WIDTH)
+    console = Console(highlight=False, emoji=False)
+    return console if console.is_terminal else Console(highlight=False, emoji=False, width=PIPED_WIDTH)
 
 
 if __name__ == "__main__":
