@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pyarrow as pa
@@ -17,6 +18,8 @@ from pipeline.tables import column
 from riot.shape import FloatArray, IntArray
 
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
+BANDS = (0.1, 0.5, 0.8, 0.9)
+"""What the lead counts between."""
 WORDS = ("least", "25 %", "median", "75 %", "greatest")
 
 
@@ -38,6 +41,11 @@ class Group:
     score: str
     cls: str
     values: FloatArray
+
+    @property
+    def things(self) -> str:
+        """What has such a score."""
+        return "shapes" if self.score == "S_r" else "pairs"
 
 
 def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
@@ -83,11 +91,21 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     ]
     return Findings(
         f"Scores of {finished.mined.dataset}",
-        "How the scores are spread over all shapes and all pairs, and class by class.",
+        " ".join(_told(group) for group in groups if not group.cls),
         table,
         [Sheet("All shapes and pairs", ("score", "values", *WORDS), cells)],
         figures,
     )
+
+
+def _told(group: Group) -> str:
+    """How the values lie on the scale, in a sentence."""
+    known = group.values[np.isfinite(group.values)]
+    bounds = (-np.inf, *BANDS, np.inf)
+    shares = np.histogram(known, bounds)[0] / max(len(known), 1)
+    words = (f"below {BANDS[0]}", *(f"from {a} to {b}" for a, b in pairwise(BANDS)), f"{BANDS[-1]} or more")
+    parts = (f"{share:.0%} {word}" for share, word in zip(shares, words, strict=True))
+    return f"{group.score} of {len(known):,} {group.things}: {', '.join(parts)}."
 
 
 def _groups(finished: Finished, reversible: FloatArray) -> Iterator[Group]:

@@ -25,6 +25,9 @@ from riot.draw.svg import escape
 
 DOTS_PER_INCH = 160
 
+WIDE = 3.0
+"""Figures that are so many times wider than high fill the page's width."""
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -79,7 +82,8 @@ def write_findings(found: Findings, folder: Path) -> Path:
         drawn = svg(figure, name)
         write_atomically(folder / f"{name}.svg", drawn)
         write_atomically(folder / f"{name}.png", png(figure))
-        shown.append(_picture(drawn, caption))
+        width, height = figure.get_size_inches()
+        shown.append(_picture(drawn, caption, width > WIDE * height))
     write_atomically(folder / PAGE, _page(found, shown).encode())
     return folder / PAGE
 
@@ -99,12 +103,12 @@ def svg(figure: Figure, name: str) -> bytes:
     return stream.getvalue()
 
 
-def _picture(drawn: bytes, caption: str) -> str:
+def _picture(drawn: bytes, caption: str, wide: bool) -> str:
     # As an image of its own, the ids of one figure do not meet those of another.
     data = base64.b64encode(drawn).decode()
-    said, style = escape(caption), "display:block;width:100%"
+    said, style, kind = escape(caption), "display:block;width:100%", "plot wide" if wide else "plot"
     return (
-        f'<figure class="plot"><img alt="{said}" style="{style}" src="data:image/svg+xml;base64,{data}">'
+        f'<figure class="{kind}"><img alt="{said}" style="{style}" src="data:image/svg+xml;base64,{data}">'
         f"<figcaption>{said}</figcaption></figure>"
     )
 
