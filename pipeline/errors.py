@@ -17,5 +17,9 @@ class StartError(PipelineError, RuntimeError):
     """Something outside the configuration that keeps a run from starting (a folder that cannot be written …)."""
 
 
+class PlaceError(PipelineError, OSError):
+    """A place that takes no more files: full, or read-only. Nothing else can be written there either."""
+
+
 class PayloadError(PipelineError, ValueError):
     """Bytes that are no artifact, or an array that an artifact cannot hold."""

@@ -27,7 +27,7 @@ import pooch
 from PIL import Image
 
 from pipeline.datasets import DatasetError, default_root
-from pipeline.places.local import TAKES_NO_MORE
+from pipeline.room import TAKES_NO_MORE
 from riot.picture import FORMATS, SUFFIXES
 
 MPEG7_URLS = ("http://www.dabi.temple.edu/~shape/MPEG7/MPEG7dataset.zip",)

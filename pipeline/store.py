@@ -26,6 +26,7 @@ from pipeline.places.choose import open_files
 from pipeline.places.local import TEMPORARY as TEMPORARY  # for whoever writes files beside a store
 from pipeline.places.local import sync_folder as sync_folder
 from pipeline.places.local import write_atomically as write_atomically
+from pipeline.room import writing_to
 
 PAYLOAD = "payload.bin"
 MANIFEST = "manifest.json"
@@ -85,7 +86,10 @@ class Store:
     def commit(
         self, parts: KeyParts, payload: bytes | memoryview, cost: Mapping[str, float], accepted: str | None = None
     ) -> str:
-        """`put` an encoded artifact; ``accepted`` is the key of the artifact that it was taken from, if it was."""
+        """`put` an encoded artifact; ``accepted`` is the key of the artifact that it was taken from, if it was.
+
+        Raises `pipeline.errors.PlaceError` where nothing more can be written, OSError where this could not.
+        """
         key = parts.key()
         manifest = {
             "schema": SCHEMA,
@@ -99,7 +103,8 @@ class Store:
         if accepted is not None:
             manifest["accepted"] = accepted
         written = {PAYLOAD: bytes(payload), MANIFEST: canonical_json(manifest).encode()}
-        self.files.write(folder_name(parts.stage, key), written)
+        with writing_to(self.root):
+            self.files.write(folder_name(parts.stage, key), written)
         return key
 
     def entry(self, stage: str, key: str) -> Entry | None:

@@ -7,7 +7,6 @@ temporary file that can be locked belongs to nobody, whatever the clock says, an
 from __future__ import annotations
 
 import contextlib
-import errno
 import fcntl
 import mmap
 import os
@@ -19,8 +18,8 @@ from pathlib import Path
 
 TEMPORARY = ".tmp-"
 
-TAKES_NO_MORE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
-"""Numbers of the errors of a place that is full, or may not be written: the next file fails as well."""
+PROBED = 2**16
+"""Bytes that a place must have room for: in a full one an empty file can still be made."""
 
 MAPPED = 2**18
 """Files of so many bytes are mapped, smaller ones, such as blocks of scores, are read: that costs less."""
@@ -41,7 +40,7 @@ class LocalFiles:
         """See `Files.probe`."""
         probe = self.place / f"{TEMPORARY}{uuid.uuid4().hex}"
         self.place.mkdir(parents=True, exist_ok=True)
-        write_atomically(probe, b"")
+        write_atomically(probe, bytes(PROBED))
         probe.unlink()
 
     def read(self, name: str) -> memoryview:

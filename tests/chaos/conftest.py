@@ -1,31 +1,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 from chaos.nursery import Nursery, open_nursery
+from chaos.victims import Undisturbed as Undisturbed
 from chaos.victims import begun, committed, mine, settings
 from integration.small_runs import digests, pictures
 
-from pipeline.config import Config
-from pipeline.plan import Reference
 from pipeline.store import Store
-
-
-@dataclass(frozen=True)
-class Undisturbed:
-    """A run that nobody disturbed: where it is, its tables, its artifacts."""
-
-    where: Path
-    pictures: Path
-    tables: dict[str, str]
-    artifacts: set[Reference]
-
-    def again(self, where: Path) -> Config:
-        """The same run elsewhere."""
-        return settings(self.pictures, where)
 
 
 @pytest.fixture(scope="session")

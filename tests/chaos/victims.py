@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import os
 import resource
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -39,8 +40,31 @@ def settings(pictures: Path, where: Path) -> Config:
     )
 
 
+@dataclass(frozen=True)
+class Undisturbed:
+    """A run that nobody disturbed: where it is, its tables, its artifacts."""
+
+    where: Path
+    pictures: Path
+    tables: dict[str, str]
+    artifacts: set[Reference]
+
+    def again(self, where: Path) -> Config:
+        """The same run elsewhere."""
+        return settings(self.pictures, where)
+
+
 def mine(config: Config, log: Path, death: Death | None = None) -> None:
     """A run whose work is written down as it begins."""
+    with recording(log):
+        if death is not None:
+            death()
+        run_pipeline(config, lambda event: None)
+
+
+@contextlib.contextmanager
+def recording(log: Path, disturb: Callable[[str], None] = lambda stage: None) -> Iterator[None]:
+    """While entered, work items of this process are written down as they begin, and then ``disturb`` is called."""
 
     def recorded(stage: str, code: str) -> Work:
         work = work_of(stage, code)
@@ -48,6 +72,7 @@ def mine(config: Config, log: Path, death: Death | None = None) -> None:
         def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Any) -> Artifact:
             with log.open("ab", buffering=0) as stream:
                 stream.write(f"{stage}\n".encode())
+            disturb(stage)
             return work.run(inputs, parameters, spec)
 
         return replace(work, run=run)
@@ -55,9 +80,7 @@ def mine(config: Config, log: Path, death: Death | None = None) -> None:
     perform_one = pipeline.perform.work_of
     pipeline.perform.work_of = recorded  # type: ignore[assignment]
     try:
-        if death is not None:
-            death()
-        run_pipeline(config, lambda event: None)
+        yield
     finally:
         pipeline.perform.work_of = perform_one
 
