@@ -123,15 +123,27 @@ def drawn(
     return shape, shape.from_source(place(corners) - 0.5)
 
 
+def nearest(hidden: Hidden, trunks: Trunks) -> float:
+    """The least distance, over trunks of as many corners, of the corner that is farthest from its true place.
+
+    In the unit-area frame; inf without such trunks.
+    """
+    n = len(hidden.corners)
+    chosen = trunks.vertices.reshape(-1)[np.repeat(trunks.sizes == n, trunks.sizes)].reshape(-1, n)
+    corners = hidden.shape.points[chosen]
+    turned = [np.roll(hidden.corners, shift, axis=0) for shift in range(n)]
+    return min(
+        (float(np.hypot(*np.moveaxis(corners - true, 2, 0)).max(axis=1).min(initial=math.inf)) for true in turned),
+        default=math.inf,
+    )
+
+
 def failed_test(hidden: Hidden, trunks: Trunks, quick: bool, parameters: TrunkParameters) -> str:
     """The first test after which nothing near the true trunk is left; "" if one of ``trunks`` is near it."""
     shape, corners = hidden.shape, hidden.corners
     n = len(corners)
-    chosen = trunks.vertices.reshape(-1)[np.repeat(trunks.sizes == n, trunks.sizes)].reshape(-1, n)
-    for shift in range(n):
-        off = np.hypot(*np.moveaxis(shape.points[chosen] - np.roll(corners, shift, axis=0), 2, 0))
-        if len(off) and off.max(axis=1).min() <= NEAR:
-            return ""
+    if nearest(hidden, trunks) <= NEAR:
+        return ""
     points = sparse_points(shape, parameters)
     kept = np.ones(len(points), dtype=np.bool_)
     gap = np.hypot(*np.moveaxis(shape.points[points][:, None] - corners[None], 2, 0))

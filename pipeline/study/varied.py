@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.study.hidden import NEAR, Hidden, failed_test
+from pipeline.study.hidden import NEAR, Hidden, failed_test, nearest
 from riot.parameters import TrunkParameters
 from riot.shape import FloatArray, IntArray, Shape
-from riot.trunks import Trunks, full_trunks
+from riot.trunks import full_trunks
 from riot.units import L_C
 
 
@@ -90,18 +90,3 @@ def _outcome(hidden: Sequence[Hidden], shapes: Sequence[Shape], parameters: Trun
     lost = Counter(failed_test(one, trunks, False, parameters) for one, trunks in zip(hidden, found, strict=True))
     del lost[""]
     return Outcome("", math.nan, False, error, lost, np.array([len(trunks) for trunks in others]), seconds)
-
-
-def nearest(hidden: Hidden, trunks: Trunks) -> float:
-    """The least distance, over trunks of as many corners, of the corner that is farthest from its true place.
-
-    In the unit-area frame; inf without such trunks.
-    """
-    n = len(hidden.corners)
-    chosen = trunks.vertices.reshape(-1)[np.repeat(trunks.sizes == n, trunks.sizes)].reshape(-1, n)
-    corners = hidden.shape.points[chosen]
-    turned = [np.roll(hidden.corners, shift, axis=0) for shift in range(n)]
-    return min(
-        (float(np.hypot(*np.moveaxis(corners - true, 2, 0)).max(axis=1).min(initial=math.inf)) for true in turned),
-        default=math.inf,
-    )

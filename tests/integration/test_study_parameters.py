@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from pipeline.errors import ConfigError
 from pipeline.study.findings import svg, write_findings
-from pipeline.study.hidden import NEAR, Hidden, failed_test, hide
+from pipeline.study.hidden import NEAR, Hidden, failed_test, hide, nearest
 from pipeline.study.ordering import orders, reordered
 from pipeline.study.parameters import TIMES, Parameters, study
-from pipeline.study.varied import nearest, vary
+from pipeline.study.varied import vary
 from riot.parameters import ReversibilityParameters, TrunkParameters
 from riot.reversibility import reversibility
 from riot.shape import Shape
