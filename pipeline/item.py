@@ -11,6 +11,9 @@ from pipeline import sample
 from riot.parameters import ShapeParameters
 from riot.shape import Shape
 
+SOURCE = "{source}"
+"""Stands for an item's source in kept messages: where a collection lies is no part of its content."""
+
 
 @dataclass(frozen=True)
 class Item:

@@ -22,10 +22,7 @@ from pipeline.item import Item
 from pipeline.keys import KeyParts, digest_text
 from pipeline.part import Part
 from pipeline.stages import STAGES, Recipe, recipe
-from pipeline.work import pairs as kept_pairs
-from pipeline.work import shortlist
-from pipeline.work.partners import Place
-from pipeline.work.select import Spec
+from pipeline.work.specs import Place, Refined, Selecting, Starts
 
 Reference = tuple[str, str]
 """(stage, key) of an artifact."""
@@ -147,7 +144,7 @@ def plan_pairs(plan: Plan, done: Set[Reference]) -> Plan:
     """The plan with the collection of what the searches found that are done."""
     found = [(b, s, item.reference) for (b, s), item in plan.qcrs.items() if item.reference in done]
     # The first shape of a batch, and of a shard.
-    spec = kept_pairs.Spec(tuple((plan.batches[b].start, plan.shards[s].members[0]) for b, s, _ in found))
+    spec = Starts(tuple((plan.batches[b].start, plan.shards[s].members[0]) for b, s, _ in found))
     of, sources = plan.recipes["pairs"], tuple(reference for *_, reference in found)
     parts = of.parts([key for _, key in sources], digest_text(repr(spec)))
     return replace(plan, pairs=WorkItem(parts, of.parameters, sources, spec, ()))
@@ -191,7 +188,7 @@ def plan_select(plan: Plan, done: Set[Reference]) -> WorkItem:
     rated = [number for number, item in enumerate(plan.reversibility) if item.reference in done]
     sources = [item.reference for item in blocks.values()] + [plan.reversibility[number].reference for number in rated]
     classes = tuple(item.cls for item in plan.items)
-    spec = Spec(classes, tuple(batch.start for batch in plan.batches), tuple(blocks), tuple(rated))
+    spec = Selecting(classes, tuple(batch.start for batch in plan.batches), tuple(blocks), tuple(rated))
     of = plan.recipes["select"]
     # A digest instead of the spec itself: the manifest need not repeat every class.
     parts = of.parts([key for _, key in sources], digest_text(repr(spec)))
@@ -236,7 +233,7 @@ def plan_shortlist(plan: Plan, refined: Sequence[WorkItem]) -> WorkItem:
     """Which of the pairs with refined trunks, all of them done, are constructed."""
     of, sources = plan.recipes["shortlist"], tuple(item.reference for item in refined)
     pairs = tuple((item.members[0], item.members[1]) for item in refined)
-    spec = shortlist.Spec(tuple(item.cls for item in plan.items), pairs)
+    spec = Refined(tuple(item.cls for item in plan.items), pairs)
     parts = of.parts([key for _, key in sources], digest_text(repr(spec)))
     return WorkItem(parts, of.parameters, sources, spec, ())
 

@@ -13,13 +13,12 @@ import numpy as np
 from pipeline.artifact import Artifact
 from pipeline.datasets import Collection
 from pipeline.events import StageEnded
-from pipeline.item import Item
+from pipeline.item import SOURCE, Item
 from pipeline.perform import Failure
 from pipeline.plan import Pair, Plan, Reference, WorkItem
 from pipeline.sample import PREFIX
 from pipeline.store import Store
 from pipeline.topk import Search
-from pipeline.work.ingest import SOURCE
 from riot.shape import FloatArray, IntArray
 
 Row = dict[str, Any]

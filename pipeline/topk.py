@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING
 
-import pyarrow as pa
-
-from pipeline import tables
 from pipeline.remarks import several
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,8 @@ class Search:
 
     def schema(self) -> pa.Schema:
         """`pipeline.tables.QCRS` with these numbers and another meaning in its metadata."""
+        from pipeline import tables  # here: a plan, which comes by this module, makes no table
+
         told = asdict(self)
         if not self.missed:
             del told["missed"]  # as a rule: the table of a search without failures says nothing of them

@@ -8,13 +8,10 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from pipeline.artifact import Artifact
-from pipeline.item import Item, open_item
+from pipeline.item import SOURCE, Item, open_item
 from pipeline.sample import PREFIX
 from pipeline.work.items import ErrorRow, attempt, pack_shapes
 from riot.parameters import ShapeParameters
-
-SOURCE = "{source}"
-"""Stands for the item's source in kept messages: where a collection lies is no part of its content."""
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Sequence[Item]) -> Artifact:

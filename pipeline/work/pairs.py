@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pipeline.artifact import AnyArray, Artifact
 from pipeline.work.qcrs import COLUMNS
+from pipeline.work.specs import Starts
 
 
-@dataclass(frozen=True)
-class Spec:
-    """Of every input the positions in the collection of its batch's first shape, and of its shard's."""
-
-    starts: tuple[tuple[int, int], ...]
-
-
-def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Artifact:
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> Artifact:
     """Partners of batches within shards → the pairs, ordered by (i, j), positions in the collection with i < j.
 
     Of every shape the ``k`` best over all shards are kept; among equals the earlier partner. ``compared`` is the sum.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from pipeline.part import Part
 from pipeline.work.qcrs import COLUMNS
 from pipeline.work.qcrs import prepare as stack_of_batch
 from pipeline.work.shards import is_shard, unpack
+from pipeline.work.specs import Place
 from riot.index import Partners, TrunkIndex, best_partners
 from riot.index import join as join_stacks
 from riot.parameters import QcrsParameters
@@ -26,14 +27,6 @@ FAIR = 0.25
 """Partners below this score are looked for pair by pair: the index knows no shape's own nearest, and hardly prunes."""
 
 _TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a batch stands to a shard: ``first`` (−1: not in it) numbers its first shape in it; ``after`` the shard."""
-
-    first: int
-    after: bool
 
 
 def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex:

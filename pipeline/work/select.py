@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.artifact import Artifact
+from pipeline.work.specs import Selecting
 from riot.shape import FloatArray, IntArray
 
 Block = tuple[IntArray, IntArray, FloatArray]
@@ -128,17 +129,7 @@ def _best(held: Sequence[Block], limit: int) -> Block:
     return i[order], j[order], score[order]
 
 
-@dataclass(frozen=True)
-class Spec:
-    """What selection knows of the collection: classes by position; where each batch starts; the inputs' batches."""
-
-    classes: tuple[str, ...]
-    starts: tuple[int, ...]
-    blocks: tuple[tuple[int, int], ...]
-    rated: tuple[int, ...]
-
-
-def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Artifact:
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) -> Artifact:
     """Blocks of scores, then the batches' reversibility → ``pairs`` (p, 2) int64, best first, ``score`` (p,).
 
     Of the inputs one at a time is held: there are as many as blocks.

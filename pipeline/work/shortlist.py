@@ -6,7 +6,6 @@ A construction reaches the bound of its trunks (theory §8), so that this ranks 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,17 +13,10 @@ import numpy as np
 from pipeline.artifact import Artifact
 from pipeline.work.refine import bound
 from pipeline.work.select import Limits, greedy, labels
+from pipeline.work.specs import Refined
 
 
-@dataclass(frozen=True)
-class Spec:
-    """What it knows of the collection: classes by position, and the pairs (positions), of each of the inputs one."""
-
-    classes: tuple[str, ...]
-    pairs: tuple[tuple[int, int], ...]
-
-
-def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Artifact:
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Refined) -> Artifact:
     """Refined plans of the pairs, in order of selection → ``places`` (k,) among them, least deformation first.
 
     Greedily by falling bound, within the limits of ``select`` (policy ``paper`` has none); equal ones by place. Pairs
