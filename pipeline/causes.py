@@ -35,7 +35,7 @@ class Causes:
     """Why work items are not in the store, asked stage after stage: what a stage hands on is told by its own cause."""
 
     def __init__(self, store: Store, pictures: Pictures | None = None) -> None:
-        self._store, self._pictures = store, pictures or Pictures(frozenset())
+        self._store, self._pictures = store, pictures or Pictures()
         self._known: dict[str, list[Known]] = {}
         self._of: dict[str, tuple[Cause, ...]] = {}
 
@@ -71,16 +71,16 @@ class Causes:
         found = nearest(item.parts.to_json(), self._known[item.stage])
         if item.stage == "ingest":
             return (("ingest", self._pictures.changed(item, found)),)
-        if found.inputs.issuperset(item.parts.inputs) and (removed := self._pictures.removed):
-            return (("ingest", _listed("picture removed", removed)),)
+        if found.inputs.issuperset(item.parts.inputs) and self._pictures.removed:
+            return (("ingest", self._pictures.removed),)
         return ((item.stage, found.new_inputs(item.parts.inputs)),)
 
 
 @dataclass(frozen=True)
 class Pictures:
-    """The collection's digests, and the folder of the run before, whose tables tell what pictures it had."""
+    """What is in the collection, and the folder of the run before, whose tables tell what was in it then."""
 
-    digests: frozenset[str]
+    items: tuple[Item, ...] = ()
     folder: Path | None = None
 
     @cached_property
@@ -97,23 +97,27 @@ class Pictures:
             return {}
         return dict.fromkeys(errors["item"], "") | dict(zip(shapes["name"], shapes["digest"], strict=True))
 
-    @property
-    def removed(self) -> list[str]:
-        """Names of what was a shape before and is in the collection no longer, under whatever name."""
-        return [name for name, digest in self.before.items() if digest and digest not in self.digests]
+    @cached_property
+    def removed(self) -> str:
+        """What was a shape before and is in the collection no longer, under whatever name, in words; "" for nothing."""
+        left = {item.digest for item in self.items} | {item.name for item in self.items}
+        gone = [name for name, digest in self.before.items() if digest and left.isdisjoint((name, digest))]
+        return _listed("picture removed", gone)
+
+    def told(self, new: Sequence[Item]) -> str:
+        """Which of some new items are in the place of others, and which are additional, in words."""
+        replaced = [shown_source(item.name, item.source) for item in new if item.name in self.before]
+        added = [shown_source(item.name, item.source) for item in new if item.name not in self.before]
+        word = "picture added" if self.before else "picture new to the store"
+        return "; ".join(filter(None, (_listed("picture replaced", replaced), _listed(word, added))))
 
     def changed(self, batch: WorkItem, stored: Known) -> str:
         """Which pictures make a batch another than the ``stored`` ones, which differ from it in nothing else."""
-        members: Sequence[Item] = batch.spec
-        new = [item for item in members if item.digest not in stored.inputs]
-        replaced = [shown_source(item.name, item.source) for item in new if item.name in self.before]
-        added = [shown_source(item.name, item.source) for item in new if item.name not in self.before]
-        said = [_listed("picture replaced", replaced)] if replaced else []
-        if added:
-            said.append(_listed("picture added" if self.before else "picture new to the store", added))
-        if not said and self.removed:
-            said.append(_listed("picture removed", self.removed))
-        return "; ".join(said) or "pictures in other batches, each known"
+        new = [item for item in batch.spec if item.digest not in stored.inputs]
+        # A batch of known pictures is another one because of its neighbours.
+        beside = [item for item in self.items if item.digest not in stored.inputs]
+        around = "; ".join(filter(None, (self.removed, self.told(beside))))
+        return self.told(new) or around or "pictures in other batches, each known"
 
 
 @dataclass(frozen=True)
@@ -178,7 +182,7 @@ def _differences(name: str, old: Any, new: Any) -> list[str]:
 
 
 def _listed(what: str, names: Sequence[str]) -> str:
-    return f"{what}: {', '.join(_few(names))}"
+    return f"{what}: {', '.join(_few(names))}" if names else ""
 
 
 def _few(texts: Sequence[str]) -> list[str]:

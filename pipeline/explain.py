@@ -68,7 +68,7 @@ def forecast(config: Config, store: Store) -> list[StageForecast]:
     Raises `pipeline.datasets.DatasetError` when there is no collection.
     """
     plan = make_plan(config, collect(config.dataset))
-    pictures = Pictures(frozenset(item.digest for item in plan.items), config.outputs / config.dataset.name)
+    pictures = Pictures(plan.items, config.outputs / config.dataset.name)
     static = (("ingest", plan.ingest), ("reversibility", plan.reversibility), ("trunks", plan.trunks))
     found = [_stage(store, name, items) for name, items in static]
     found[0] = replace(found[0], pictures=pictures)

@@ -1,0 +1,94 @@
+"""``--explain`` under every kind of edit: every stage that has to run again names the edit, and no other cause."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from edited_project import ALL, EDITS, PICTURES, Edit, Project, finished_once
+from rich.console import Console
+
+from pipeline.causes import Causes
+from pipeline.explain import show_explanation
+
+CAUSE = re.compile(r"(?:code|versions)\.[\w.-]+|parameters\.\S+ \S+ → \S+|picture [^;]+|inputs:.*|new:.*|pictures in.*")
+
+
+__all__ = ["finished_once"]
+
+
+@pytest.fixture
+def finished(finished_once: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Project:
+    return Project.copy(finished_once, tmp_path, monkeypatch)
+
+
+def causes(project: Project) -> dict[str, Counter[str]]:
+    """Of every stage of which it is known what it has to do."""
+    found = project.look()
+    asked = Causes(project.store, found[0].pictures)
+    return {stage.stage: asked.of(stage.missing) for stage in found if stage.items is not None}
+
+
+@pytest.mark.parametrize("edit", EDITS, ids=lambda edit: edit.name)
+def test_every_stage_names_the_edit_and_nothing_else(finished: Project, edit: Edit) -> None:
+    edited = edit.do(finished)
+    found = causes(edited)
+    assert {name for name, texts in found.items() if texts} == found.keys() & edit.again
+    # Of what comes after something that is done again, some is not known yet.
+    assert found.keys() & edit.again if edit.again else found.keys() == ALL
+    for texts in found.values():
+        for text in texts:
+            assert CAUSE.findall(text) == [edit.cause], text
+
+
+def test_what_an_earlier_stage_hands_on_is_told_as_its(finished: Project) -> None:
+    (edit,) = (edit for edit in EDITS if "shape.spacing" in edit.name)
+    found = causes(edit.do(finished))
+    assert set(found["ingest"]) == {edit.cause}
+    for stage in ("reversibility", "trunks", "qcrs", "select"):
+        assert set(found[stage]) == {f"after ingest: {edit.cause}"}
+
+
+def test_two_edits_are_both_named(finished: Project) -> None:
+    finished.picture("kind2-2.png", 77).edit("pipeline.work.qcrs", "def run(", "EDITED = 1\n\n\ndef run(")
+    found = causes(finished)
+    with_both = {text for text in found["qcrs"] if "picture replaced: kind2-2.png" in text}
+    assert with_both and all("code.pipeline.work.qcrs" in text for text in found["qcrs"])
+    assert set(found["qcrs"]) != with_both
+
+
+def test_a_renamed_file_is_neither_added_nor_removed(finished: Project) -> None:
+    folder = finished.root / "pictures"
+    (folder / "kind3-7.png").rename(folder / "kind3-71.png")
+    assert not any("added" in text or "removed" in text for texts in causes(finished).values() for text in texts)
+
+
+def test_without_an_earlier_run_pictures_are_new(finished: Project) -> None:
+    (finished.folder / "shapes.parquet").unlink()
+    (finished.folder / "errors.parquet").unlink()
+    found = causes(finished.picture("kind1-99.png", 99))
+    assert set(found["ingest"]) == {"picture new to the store: kind1-99.png"}
+
+
+def test_many_causes_are_cut_short(finished: Project) -> None:
+    for number in range(8):
+        finished.picture(f"kind{number % 4}-{number}.png", 50 + number)
+    found = causes(finished.configured(lambda c: replace(c, batch=16)))
+    assert any(re.search(r" and \d more", text) for texts in found.values() for text in texts)
+
+
+@pytest.mark.parametrize("edit", [EDITS[0], PICTURES[0]], ids=lambda edit: edit.name)
+def test_it_is_printed_by_stage(finished: Project, edit: Edit) -> None:
+    edited = edit.do(finished)
+    console = Console(file=io.StringIO(), width=60)
+    show_explanation(edited.look(), edited.store, console)
+    said = console.file.getvalue()  # type: ignore[attr-defined]
+    if edit.again:
+        assert "ingest: 2 of 5 to do, because\n" in said and f"  2 × {edit.cause}\n" in said
+        assert f"after ingest: {edit.cause}\n" in said and "crs: known after the selection" in said
+    else:
+        assert "motion: all 3 cached" in said and "×" not in said
