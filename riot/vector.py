@@ -20,6 +20,7 @@ import shapely
 import svgelements
 
 from riot.errors import SilhouetteError
+from riot.machine import is_of_machine
 from riot.shape import FloatArray
 from riot.svgfile import NAMESPACE, load
 from riot.tangle import TangleError, refuse_tangles
@@ -47,12 +48,17 @@ _Colour = tuple[float, float, float]
 
 
 def looks_like_svg(path: str | os.PathLike[str]) -> bool:
-    """Whether a file's first bytes are those of XML; its suffix does not count. False when it cannot be opened."""
+    """Whether a file's first bytes are those of XML; its suffix does not count. False when it cannot be opened.
+
+    Raises OSError when the machine fails (`riot.machine`): else a drawing would be taken for a picture that is none.
+    """
     try:
         check_file(Path(path), PICTURE_BYTES)
         with Path(path).open("rb") as file:
             head = file.read(64)
-    except (OSError, ValueError):  # ValueError: too many bytes, or a path with a null character
+    except (OSError, ValueError) as error:  # ValueError: too many bytes, or a path with a null character
+        if is_of_machine(error):
+            raise
         return False
     text = head.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # byte-order marks, UTF-16
     return text.startswith((b"<?xml", b"<svg", b"<!--", b"<!DOCTYPE"))

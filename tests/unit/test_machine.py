@@ -96,6 +96,26 @@ def test_a_process_without_free_descriptors_judges_no_file(picture: Path) -> Non
     assert len(read(picture).points) > 100 and svgfile.load(drawing).tag.endswith("svg")
 
 
+def test_a_drawing_is_not_taken_for_a_picture_because_the_machine_failed_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawing = tmp_path / "square.svg"
+    drawing.write_text(SQUARE)
+    opened, left = Path.open, 1
+
+    def fail_once(path: Path, *arguments: str) -> object:
+        nonlocal left
+        left -= 1
+        if left == 0:
+            raise failing("EMFILE")
+        return opened(path, *arguments)
+
+    monkeypatch.setattr(Path, "open", fail_once)
+    with pytest.raises(OSError, match=os.strerror(errno.EMFILE)):
+        read(drawing)
+    assert read(drawing).name == "square"
+
+
 def test_a_drawing_on_a_failing_disk_is_not_judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawing = tmp_path / "square.svg"
     drawing.write_text(SQUARE)
