@@ -17,6 +17,10 @@ class StartError(PipelineError, RuntimeError):
     """Something outside the configuration that keeps a run from starting (a folder that cannot be written …)."""
 
 
+class StopError(PipelineError, RuntimeError):
+    """What ends a run that had begun, of the machine or of the store; what is done is kept, and the run can go on."""
+
+
 class PlaceError(PipelineError, OSError):
     """A place that takes no more files: full, or read-only. Nothing else can be written there either."""
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pipeline.artifact import Artifact
 from pipeline.cluster import Bundle, Executor, Here, open_cluster
 from pipeline.config import ClusterConfig
+from pipeline.errors import PlaceError
 from pipeline.events import ItemDone, Listener, StageEnded, StageStarted
 from pipeline.perform import Failure, Receipt
 from pipeline.places.base import Place
@@ -38,7 +39,10 @@ class Run:
     stages: list[StageEnded] = field(default_factory=list)
 
     def stage(self, name: str, items: Sequence[WorkItem], *, here: bool = False) -> None:
-        """Bring a stage's items into the store; ``here``: in this process, because it is not worth a worker."""
+        """Bring a stage's items into the store; ``here``: in this process, because it is not worth a worker.
+
+        Raises `PlaceError` once the store takes no more.
+        """
         started = time.perf_counter()
         unique = {item.reference: item for item in items}
         found = dict(zip(unique, self.store.check_all(list(unique)), strict=True))
@@ -127,6 +131,8 @@ class Run:
                 reference = (receipt.stage, receipt.key)
                 if receipt.failure is None:
                     self.done.add(reference)
+                elif receipt.failure.type == PlaceError.__name__:  # no other artifact can be written there either
+                    raise PlaceError(receipt.failure.message)
                 elif receipt.failure.type in RETRIED and tries < MAX_TRIES:
                     again.append(ready[reference])
                     continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ import numpy as np
 
 from pipeline.config import Config
 from pipeline.datasets import Collection, collect
-from pipeline.errors import StartError
+from pipeline.errors import PlaceError, StartError, StopError
 from pipeline.events import Listener, Note
 from pipeline.execute import Run, open_run
 from pipeline.exits import CLEAN, WITH_ERRORS
@@ -40,6 +41,7 @@ from pipeline.plan import (
 from pipeline.quarantine import bring_scores, bring_shapes
 from pipeline.record import GALLERY, RECORD, REPORT, holds, outcome_digest, write_record
 from pipeline.results import Results, certified, least_deformed
+from pipeline.room import writing_to
 from riot.shape import FloatArray
 
 
@@ -69,35 +71,56 @@ def check_writable(place: Place, parameter: str) -> None:
         open_files(place).probe()
     except OSError as error:
         raise StartError(
-            f"cannot write to {place}: {error.strerror or error}; make it writable, or choose another place "
-            f"with {parameter}=DIR"
+            f"cannot write to {place}: {error.strerror or error}; make room or make it writable, or choose another "
+            f"place with {parameter}=DIR"
         ) from error
 
 
 def run_pipeline(config: Config, listen: Listener) -> Outcome:
     """Run everything that the store lacks and write the tables.
 
-    Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` when a folder cannot be written,
-    the cluster cannot be reached, or the machine fails while the tables are written.
+    A store that cannot be written will do for a run that finds everything in it.
+
+    Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` when a folder cannot be written or
+    the cluster cannot be reached, `StopError` when the store or the outputs take no more, or the machine fails while
+    the tables are written.
     """
     collection = collect(config.dataset)
     check_writable(run_folder(config), "outputs")
-    check_writable(config.store, "store")
+    unwritable = _unwritable(config.store)
     # What is not yet listed as needed must not be tidied away.
     with open_files(config.store).shared(), swept(run_folder(config)):
         try:
-            return _run(config, collection, listen)
+            return _run(config, collection, listen, unwritable)
         except OSError as error:  # a full disk, no memory to map a file: what is in the store stays there
-            raise StartError(
-                f"the run had to stop: {error}; make room, and give the same command again: it goes on from here"
+            raise StopError(
+                f"{error}; make room, or make it writable, and give the same command again: it goes on from here"
             ) from error
 
 
-def _run(config: Config, collection: Collection, listen: Listener) -> Outcome:
+def _unwritable(store: Place) -> StartError | None:
+    """Why a store that is there cannot be written; raises `StartError` when there is none."""
+    try:
+        check_writable(store, "store")
+    except StartError as error:
+        with contextlib.suppress(OSError):
+            if open_files(store).exists():
+                return error
+        raise
+    return None
+
+
+def _run(config: Config, collection: Collection, listen: Listener, unwritable: StartError | None) -> Outcome:
     started, clock = datetime.now(UTC), time.perf_counter()
     folder = run_folder(config)
     plan = make_plan(config, collection)
-    with open_run(config.store, config.cluster, lambda: _compile(listen), listen) as run:
+
+    def prepare() -> None:
+        if unwritable is not None:
+            raise unwritable
+        _compile(listen)
+
+    with open_run(config.store, config.cluster, prepare, listen) as run:
         results = _stages(plan, collection, run)
     digest = outcome_digest(results)
     code = WITH_ERRORS if results.errors or results.blocked else CLEAN
@@ -108,22 +131,23 @@ def _run(config: Config, collection: Collection, listen: Listener) -> Outcome:
     from pipeline.write import write_tables  # here: a run that finds everything as it was writes nothing
 
     listen(Note("writing tables …"))
-    (folder / RECORD).unlink(missing_ok=True)  # until it is back, the folder holds no finished run
-    files = write_tables(results, folder)
-    times = {
-        "started": started.isoformat(timespec="seconds"),
-        "seconds": time.perf_counter() - clock,
-        "workers": config.cluster.kind,
-    }
-    write_record(folder, results, digest, files, code, times)
-    report = _report(folder, listen)
-    if report is None:
-        code = WITH_ERRORS
-    else:
-        gallery = sorted(path for path in (folder / GALLERY).rglob("*") if path.is_file())
-        files = [*files, report, *gallery]
-    times["seconds"] = time.perf_counter() - clock
-    write_record(folder, results, digest, files, code, times)
+    with writing_to(folder):
+        (folder / RECORD).unlink(missing_ok=True)  # until it is back, the folder holds no finished run
+        files = write_tables(results, folder)
+        times = {
+            "started": started.isoformat(timespec="seconds"),
+            "seconds": time.perf_counter() - clock,
+            "workers": config.cluster.kind,
+        }
+        write_record(folder, results, digest, files, code, times)
+        report = _report(folder, listen)
+        if report is None:
+            code = WITH_ERRORS
+        else:
+            gallery = sorted(path for path in (folder / GALLERY).rglob("*") if path.is_file())
+            files = [*files, report, *gallery]
+        times["seconds"] = time.perf_counter() - clock
+        write_record(folder, results, digest, files, code, times)
     return Outcome(code, folder, report, True, time.perf_counter() - clock, results)
 
 
@@ -227,7 +251,10 @@ def _report(folder: Path, listen: Listener) -> Path | None:
     listen(Note("writing the report …"))
     write: Callable[[Path], Path] = write_report
     try:
-        return write(folder)
+        with writing_to(folder):
+            return write(folder)
+    except PlaceError:
+        raise
     except Exception as error:  # the tables are whole: a run must not be lost by its picture book
         listen(Note(f"the report could not be written: {type(error).__name__}: {error}; the tables are complete"))
         return None

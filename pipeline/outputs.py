@@ -65,14 +65,26 @@ def replace_folder(temporary: Path, target: Path) -> None:
 
 @contextlib.contextmanager
 def swept(folder: Path) -> Iterator[None]:
-    """Enter a run's folder; what a killed run left there half written is removed, unless another run is in it, too."""
+    """Enter a run's folder; what is left there half written is removed, unless another run is in it, too.
+
+    On entering that is what a killed run left, on leaving what this one had no room to end.
+    """
     files = LocalFiles(folder)
+
+    def sweep() -> None:
+        for name in files.names(""):
+            if name.startswith(TEMPORARY):
+                files.remove(name)
+
     with files.alone() as alone:
         if alone:
-            for name in files.names(""):
-                if name.startswith(TEMPORARY):
-                    files.remove(name)
-        yield
+            sweep()
+        try:
+            yield
+        finally:
+            if alone:
+                with contextlib.suppress(OSError):  # of a disk that became read-only: the next run removes it
+                    sweep()
 
 
 def file_name(name: str) -> str:

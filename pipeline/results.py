@@ -125,8 +125,12 @@ class Results:
     def _failed(self, stage: str, item: WorkItem) -> Iterator[Row]:
         failure = self.failed.get(item.reference)
         if failure is not None:
+            message = failure.message  # an error of the system names the file with its whole path
+            for position in item.members:
+                of = self.plan.items[position]
+                message = self._readable(message, of.source, of.name)
             for name in self._names(item):
-                yield _error(name, stage, item.key, failure.type, failure.reason, failure.message, failure.attempts)
+                yield _error(name, stage, item.key, failure.type, failure.reason, message, failure.attempts)
             return
         if item.reference not in self.done or stage in NOT_BY_SHAPE:
             return

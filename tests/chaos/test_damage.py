@@ -1,4 +1,4 @@
-"""Damage, full disks, little memory, wrong clocks and edited code: found, said, and mended by the next run."""
+"""Damage, little memory, wrong clocks and edited code: found, said, and mended by the next run."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from chaos.conftest import Undisturbed
 from chaos.nursery import Nursery
-from chaos.victims import begun, committed, full_disk, little_memory, mine
+from chaos.victims import begun, committed, little_memory, mine
 from integration.small_runs import digests
 
 from pipeline.cache import DAMAGED, OK, main
@@ -102,29 +101,6 @@ def test_everything_damaged_is_made_again_and_nothing_else(
     assert nursery.call(mine, undisturbed.again(tmp_path), tmp_path / "log") == 0
     assert sorted(begun(tmp_path / "log")) == [stage for stage, _ in hurt]
     assert digests(tmp_path) == undisturbed.tables and main(["verify", "--store", str(store.root)]) == OK
-
-
-@pytest.mark.parametrize(
-    "death",
-    [
-        functools.partial(full_disk, 3000),
-        pytest.param(functools.partial(full_disk, 0), marks=pytest.mark.chaos),
-        pytest.param(functools.partial(full_disk, 12000), marks=pytest.mark.chaos),
-    ],
-    ids=["3000", "0", "12000"],
-)
-def test_a_full_disk_costs_nothing_but_time(
-    death: Callable[[], None], nursery: Nursery, undisturbed: Undisturbed, tmp_path: Path
-) -> None:
-    config = undisturbed.again(tmp_path)
-    nursery.call(mine, config, tmp_path / "full", death)
-    store = Store(config.store)
-    # What is left out may be chosen from: a selection among fewer blocks is whole, too, and has a key of its own.
-    before = committed(store) & undisturbed.artifacts
-    assert before < undisturbed.artifacts and not list(config.store.rglob(".tmp-*"))
-    assert nursery.call(mine, config, tmp_path / "log") == 0
-    assert len(begun(tmp_path / "log")) == len(undisturbed.artifacts - before)
-    assert digests(tmp_path) == undisturbed.tables
 
 
 @pytest.mark.chaos

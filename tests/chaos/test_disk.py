@@ -5,7 +5,10 @@ from __future__ import annotations
 import errno
 import io
 import os
+import shutil
+import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +17,7 @@ from chaos.mounts import change, disk, leave, try_to_leave
 from chaos.nursery import Nursery
 from chaos.test_workers import SAME
 from chaos.victims import Undisturbed, begun, committed, recording
-from integration.small_runs import BAD_START, CLEAN, WITH_ERRORS, digests, run_here, table
+from integration.small_runs import BAD_START, CLEAN, WITH_ERRORS, command, digests, run_here, table
 from PIL import ImageFile
 from rich.console import Console
 
@@ -22,11 +25,14 @@ from pipeline.artifact import Artifact
 from pipeline.cache import OK, main
 from pipeline.config import Config
 from pipeline.errors import PlaceError
+from pipeline.exits import FAILED
 from pipeline.keys import KeyParts
+from pipeline.plan import Reference
 from pipeline.run import _run
 from pipeline.store import Store
 
 Scenario = Callable[[Undisturbed, Path], None]
+ENOUGH = "size=64m"
 
 
 @pytest.fixture
@@ -83,6 +89,66 @@ def refuse_an_artifact(undisturbed: Undisturbed, where: Path) -> None:
     assert np.array_equal(store.get("stage", two.key()).arrays["x"], large.arrays["x"])
 
 
+def fill_the_store(undisturbed: Undisturbed, where: Path) -> None:
+    config, store = undisturbed.again(where), Store(where / "store")
+    disk(where / "store", 300)
+    done: set[Reference] = set()
+    for size in (300, 2200):  # full at an early and at a late stage
+        change(where / "store", f"size={size}k")
+        code, said, work = mine(config, where)
+        assert code == FAILED and said.startswith("Stopped: cannot write to"), said
+        assert f"{where / 'store'}: No space left on device; make room" in said and said.endswith(
+            "it goes on from here"
+        )
+        now = committed(store)
+        assert done < now < undisturbed.artifacts and len(work) == len(now - done) + 1  # and the one that did not fit
+        assert not list((where / "store").rglob(".tmp-*")) and not list((where / "outputs" / "folder").iterdir())
+        done = now
+    change(where / "store", ENOUGH)
+    code, said, work = mine(config, where)
+    assert (code, said, len(work)) == (CLEAN, "", len(undisturbed.artifacts - done))
+    tidy(undisturbed, where)
+
+
+def lock_the_store_meanwhile(undisturbed: Undisturbed, where: Path) -> None:
+    config, store = undisturbed.again(where), Store(where / "store")
+    disk(where / "store", 64_000)
+    done: set[Reference] = set()
+    for stage in ("trunks", "select"):  # `select` is done in the run's own process
+        code, said, work = mine(
+            config, where, lambda now, at=stage: change(where / "store", "ro") if now == at else None
+        )
+        assert code == FAILED and said.startswith("Stopped: cannot write to") and work[-1] == stage, said
+        assert f"{where / 'store'}: Read-only file system; make room, or make it writable" in said
+        now = committed(store)
+        assert done < now < undisturbed.artifacts and len(work) == len(now - done) + 1
+        done = now
+        change(where / "store", "rw")
+    code, said, work = mine(config, where)
+    assert (code, said, len(work)) == (CLEAN, "", len(undisturbed.artifacts - done))
+    tidy(undisturbed, where)
+
+
+def lock_the_store_before(undisturbed: Undisturbed, where: Path) -> None:
+    config, store = undisturbed.again(where), where / "store"
+    disk(store, 4)
+    change(store, "ro")
+    code, said, work = mine(config, where)
+    assert (code, work) == (BAD_START, []) and said.startswith("Cannot start: cannot write to")
+    assert f"{store}: Read-only file system" in said and "store=DIR" in said
+    change(store, "rw", ENOUGH)
+    shutil.copytree(undisturbed.where / "store", store, dirs_exist_ok=True)
+    change(store, "ro")
+    before = {path: path.stat().st_mtime_ns for path in store.rglob("*")}
+    # Whoever wants nothing that is not there already is served.
+    assert mine(config, where) == (CLEAN, "", [])
+    assert mine(config, where) == (CLEAN, "", [])  # and now finds its tables up to date
+    assert digests(where) == undisturbed.tables
+    assert {path: path.stat().st_mtime_ns for path in store.rglob("*")} == before
+    code, said, work = mine(replace(config, trunks=replace(config.trunks, tau_s=0.09)), where)
+    assert (code, work) == (BAD_START, []) and f"{store}: Read-only file system" in said
+
+
 def refuse_the_outputs(undisturbed: Undisturbed, where: Path) -> None:
     outputs = where / "outputs"
     disk(outputs, 32)
@@ -95,11 +161,45 @@ def refuse_the_outputs(undisturbed: Undisturbed, where: Path) -> None:
         assert not list(outputs.iterdir()) and not (where / "store").exists()
 
 
+def fill_the_outputs(undisturbed: Undisturbed, where: Path) -> None:
+    config, outputs = undisturbed.again(where), where / "outputs"
+    shutil.copytree(undisturbed.where / "store", where / "store")
+    disk(outputs, 100)
+    for size in (100, 400):  # no room for all tables, for the report
+        change(outputs, f"size={size}k")
+        code, said, work = mine(config, where)
+        assert (code, work) == (FAILED, []) and said.startswith("Stopped: cannot write to"), said
+        assert f"{outputs / 'folder'}: No space left on device; make room" in said
+        assert not list(outputs.rglob(".tmp-*"))
+    change(outputs, ENOUGH)
+    assert mine(config, where) == (CLEAN, "", [])
+    tidy(undisturbed, where)
+
+
+def fill_the_store_of_workers(undisturbed: Undisturbed, where: Path) -> None:
+    disk(where / "store", 1500)
+    arguments = command(where, undisturbed.pictures, *SAME, "cluster=local", "cluster.workers=2")
+    ended = subprocess.run(arguments, capture_output=True, text=True, cwd=where)
+    assert ended.returncode == FAILED, ended.stdout + ended.stderr
+    assert f"Stopped: cannot write to {where / 'store'}: No space left" in ended.stderr
+    before = committed(Store(where / "store"))
+    assert before < undisturbed.artifacts
+    change(where / "store", ENOUGH)
+    code, said, work = mine(undisturbed.again(where), where)
+    assert (code, said, len(work)) == (CLEAN, "", len(undisturbed.artifacts - before))
+    tidy(undisturbed, where)
+
+
 @pytest.mark.parametrize(
     "scenario",
     [
         refuse_an_artifact,
         refuse_the_outputs,
+        fill_the_store,
+        lock_the_store_meanwhile,
+        lock_the_store_before,
+        fill_the_outputs,
+        pytest.param(fill_the_store_of_workers, marks=pytest.mark.chaos),
     ],
     ids=lambda scenario: scenario.__name__,
 )
@@ -113,7 +213,7 @@ def fail_a_picture(undisturbed: Undisturbed, where: Path) -> None:
 
     def failing(image: ImageFile.ImageFile) -> object:
         if "kind2-2" in str(image.filename):
-            raise OSError(errno.EIO, os.strerror(errno.EIO))
+            raise OSError(errno.EIO, os.strerror(errno.EIO), image.filename)
         return load(image)
 
     ImageFile.ImageFile.load = failing  # type: ignore[method-assign,assignment]
@@ -122,6 +222,7 @@ def fail_a_picture(undisturbed: Undisturbed, where: Path) -> None:
     rows = [row for row in table(where, "errors") if row["stage"] == "ingest"]
     assert code == WITH_ERRORS and "kind2-2" in {row["item"] for row in rows}
     assert {(row["type"], row["attempts"]) for row in rows} == {("OSError", 3)}
+    assert not any(str(undisturbed.where) in str(row["message"]) for row in rows)
     assert table(where, "shapes")  # of the other batch
     kept = committed(Store(where / "store"))
     assert len([stage for stage, _ in kept if stage == "ingest"]) == 1

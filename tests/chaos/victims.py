@@ -137,12 +137,6 @@ def while_writing(size: int) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
 
-def full_disk(size: int) -> None:
-    """No file gets longer than ``size`` bytes: writing more is an OSError."""
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-
-
 def little_memory(more: int) -> None:
     """Not more than ``more`` bytes above what is used now."""
     pages = int(Path("/proc/self/statm").read_text().split()[0])
