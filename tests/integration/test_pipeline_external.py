@@ -17,6 +17,9 @@ from distributed import Client
 from small_runs import BAD_START, CLEAN, command, digests, run_here, stages
 
 from pipeline.closure import ROOT
+from pipeline.command import check_command, complete
+from pipeline.events import Event, Note, StageEnded
+from pipeline.flow import run_pipeline
 
 COUNTING = Path(__file__).resolve().parent / "counting"
 
@@ -90,18 +93,6 @@ def other_code(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def run_watched(line: list[str], where: Path, at: dict[str, Callable[[], None]]) -> tuple[int, str]:
-    """A run that has something done when a line of its output begins with a word: its code, and all it said."""
-    where.mkdir()
-    said: list[str] = []
-    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=where) as process:
-        assert process.stdout is not None
-        for text in process.stdout:
-            said.append(text)
-            at.pop(text.split(" ")[0], lambda: None)()
-    return process.returncode, "".join(said)
-
-
 def test_workers_come_and_go_and_the_bytes_are_the_same(
     deployment: Deployment, other_code: Path, finished: Path, root: Path, tmp_path: Path
 ) -> None:
@@ -114,12 +105,19 @@ def test_workers_come_and_go_and_the_bytes_are_the_same(
         deployment.workers(1)
 
     where = tmp_path / "external"
-    line = command(where, root, "cluster=external", f"cluster.address={deployment.address}")
-    joining = {"ingest": replace_all, "qcrs": lambda: [deployment.workers(1)]}
-    code, said = run_watched(line, where, joining)
-    assert code == CLEAN, said
-    words = " ".join(said.split())  # lines are wrapped
-    assert "is refused: other code" in words and "code.riot.trunks" in words and not joining
+    line = command(where, root, "cluster=external", f"cluster.address={deployment.address}")[3:]
+    joining: dict[str, Callable[[], object]] = {"ingest": replace_all, "qcrs": lambda: deployment.workers(1)}
+    told: list[str] = []
+
+    def listen(event: Event) -> None:
+        if isinstance(event, Note):
+            told.append(event.text)
+        if isinstance(event, StageEnded):
+            joining.pop(event.stage, lambda: None)()
+
+    outcome = run_pipeline(check_command(complete(line)), listen)
+    assert outcome.code == CLEAN, told
+    assert any("is refused: other code" in text and "code.riot.trunks" in text for text in told) and not joining
     assert digests(where) == digests(finished)
     written = Counter(deployment.puts.read_text().splitlines())
     assert set(written.values()) == {1}  # no finished work item was done again

@@ -11,7 +11,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 from PIL import Image
-from small_runs import CLEAN, digests, draw, pictures, run, stages
+from small_runs import CLEAN, digests, draw, pictures, run, run_here, stages
 
 import pipeline.plan
 from pipeline.config import Config, make_config
@@ -171,9 +171,9 @@ def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monke
 
 def test_it_is_the_same_on_two_workers_and_told_of(root: Path, tmp_path: Path) -> None:
     topk = ("qcrs.mode=topk", "qcrs.k=3")
-    plan = run(tmp_path / "one", root, *topk, "--plan")
+    plan = run_here(tmp_path / "one", root, *topk, "--plan")
     assert plan.returncode == CLEAN and "nothing was run" in plan.stdout
-    done = run(tmp_path / "one", root, *topk, "cluster=sync")
+    done = run_here(tmp_path / "one", root, *topk, "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     both = run(tmp_path / "two", root, *topk, "cluster=local", "cluster.workers=2")
     assert both.returncode == CLEAN, both.stdout + both.stderr
@@ -183,9 +183,9 @@ def test_it_is_the_same_on_two_workers_and_told_of(root: Path, tmp_path: Path) -
     assert search is not None
     for text in (done.stdout, (tmp_path / "one" / "outputs" / "folder" / "report.html").read_text(encoding="utf-8")):
         assert f"with another {search.compared:,} were made" in text and f"of {search.pairs:,} pairs kept" in text
-    again = run(tmp_path / "one", root, *topk, "cluster=sync")
+    again = run_here(tmp_path / "one", root, *topk, "cluster=sync")
     assert again.returncode == CLEAN and "Everything cached" in again.stdout
-    why = run(tmp_path / "one", root, *topk, "qcrs.sigma_e=0.2", "--explain")
+    why = run_here(tmp_path / "one", root, *topk, "qcrs.sigma_e=0.2", "--explain")
     assert why.returncode == CLEAN and "parameters.qcrs.sigma_e 0.1 → 0.2" in why.stdout
 
 
