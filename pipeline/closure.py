@@ -21,9 +21,11 @@ from pathlib import Path
 
 from pipeline.sources import AT_START, PACKAGES, ROOT, Source, edited, read_sources
 
-DECLARATIONS = frozenset({"riot.parameters", "riot.motion.parameters", "riot.errors", "pipeline.errors"})
-"""Modules that compute nothing: the values of parameters enter a key by themselves, so that a new parameter or another
-default of one stage leaves the other stages' keys alone."""
+DECLARATIONS = frozenset(
+    {"riot.parameters", "riot.motion.parameters", "riot.errors", "pipeline.errors", "pipeline.work.specs"}
+)
+"""Modules that compute nothing: the values of parameters and specs enter a key by themselves, so that a new parameter
+or another default of one stage leaves the other stages' keys alone."""
 
 
 def code_digests(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> dict[str, str]:

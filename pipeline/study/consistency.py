@@ -71,6 +71,8 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
         say(f"CRS of {len(pairs)} pairs, {kind} …")
         cross = np.array([partners.cross(i, j) for i, j in pairs.tolist()])
         quick = {variant: _quick(finished, pairs, variant, partners) for variant in QCRS_VARIANTS}
+        known = np.isfinite(quick[finished.config.qcrs.variant])  # else the run set the pair aside
+        pairs, cross, quick = pairs[known], cross[known], {variant: each[known] for variant, each in quick.items()}
         bound = np.full(len(pairs), np.nan)
         refined = rng.permutation(len(pairs))[: parameters.bounds if kind == "uniform" else 0]
         for at in refined.tolist():

@@ -59,7 +59,10 @@ class Finished:
         return ds.dataset(self.mined.folder / "qcrs", tables.QCRS, format="parquet").to_table(columns=columns)
 
     def quick_scores(self, pairs: IntArray) -> FloatArray:
-        """(k,) QCRS of ``pairs`` (k, 2), i < j; raises `StartError` if the run did not score them all."""
+        """(k,) QCRS of ``pairs`` (k, 2), i < j, nan where the run set a pair aside.
+
+        Raises `StartError` if it did not score them all.
+        """
         count = len(self.mined.names)
         i, j = (self.quick.column(name).to_numpy().astype(np.int64) for name in ("i", "j"))
         keys, wanted = i * count + j, pairs[:, 0] * count + pairs[:, 1]

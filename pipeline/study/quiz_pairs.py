@@ -127,7 +127,7 @@ def _alike(
     if not len(grid):
         return
     quick = finished.quick_scores(np.sort(grid, axis=1))
-    low = quick <= np.quantile(quick, LOW)
+    low = quick <= np.nanquantile(quick, LOW)
     grid, quick = grid[low], quick[low]
     apart = np.abs(score[grid] - score[[pair.left, pair.right]]).sum(axis=1)
     for place in rng.permutation(np.argsort(apart, kind="stable")[:TRIED]).tolist():

@@ -12,9 +12,12 @@ from html_page import Page
 from small_runs import CLEAN, pictures, run
 
 from pipeline.report.studies import write_contents
+from pipeline.study import consistency
 from pipeline.study.__main__ import main
+from pipeline.study.finished import Finished
 from pipeline.study.registry import STUDIES
 from pipeline.study.statistics import agreement
+from riot.shape import FloatArray, IntArray
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +106,21 @@ def test_consistency_takes_qcrs_of_the_run_from_its_tables(where: Path, made: di
     }
     shared = [row for row in rows if (row["i"], row["j"]) in known]
     assert shared and all(row["crs"] == pytest.approx(known[row["i"], row["j"]]) for row in shared)
+
+
+def test_consistency_leaves_out_pairs_that_the_run_set_aside(where: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = Finished.quick_scores
+
+    def one_lost(self: Finished, pairs: IntArray) -> FloatArray:
+        scores = known(self, pairs)
+        scores[0] = np.nan
+        return scores
+
+    monkeypatch.setattr(Finished, "quick_scores", one_lost)
+    finished = Finished.open(where / "outputs" / "folder")
+    found = consistency.study(finished, consistency.Parameters(pairs=20, bounds=0, draws=50), lambda text: None)
+    assert found.table.column("sample").to_pylist().count("uniform") == 19
+    assert np.isfinite(found.table.column("qcrs_paper").to_numpy()).all()
 
 
 def test_sigmas_judge_the_own_of_each_variant_as_consistency_does(made: dict[str, Path]) -> None:
