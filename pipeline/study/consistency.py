@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,11 +54,11 @@ class Sample:
 
 
 def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
-    """Agreement of both variants of QCRS with CRS on two samples, and with the IoU that refined trunks allow.
+    """Agreement of both variants of QCRS with CRS on three samples, and of all with the IoU that refined trunks allow.
 
     ``uniform``: pairs drawn with equal chances from all, as a ranking of the collection meets them. ``classes``: pairs
-    of the shapes of best reversibility of each class, the paper's. QCRS of the run's own variant is read from its
-    tables.
+    of the shapes of best reversibility of each class, the paper's. ``selected``: the best pairs, which the run refined
+    itself; CRS and IoU are those of its tables, as is QCRS of its own variant everywhere.
     """
     rng = np.random.default_rng(parameters.seed)
     chosen = {"uniform": uniform(len(finished.mined.names), parameters.pairs, rng)}
@@ -78,7 +78,8 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
         for at in refined.tolist():
             bound[at] = max(0.0, partners.bound(*pairs[at].tolist()))
         samples.append(Sample(kind, pairs, cross, quick, bound))
-    return _findings(finished, parameters, samples)
+    mined = _selected(finished, partners)
+    return _findings(finished, parameters, [*samples, *([mined] if len(mined.pairs) >= 3 else [])])
 
 
 def uniform(shapes: int, count: int, rng: np.random.Generator) -> IntArray:
@@ -109,6 +110,17 @@ def best_of_classes(finished: Finished, count: int, rng: np.random.Generator) ->
     return found
 
 
+def _selected(finished: Finished, partners: Partners) -> Sample:
+    """The pairs with CRS that the run refined."""
+    table = finished.table("crs", "i", "j", "score", "bound")
+    i, j, cross, bound = (np.asarray(each.to_numpy(), dtype=np.float64) for each in table.columns)
+    pairs = np.stack([i, j], axis=1).astype(np.int64)
+    quick = {variant: _quick(finished, pairs, variant, partners) for variant in QCRS_VARIANTS} if len(pairs) else {}
+    known = np.isfinite([cross, bound, *quick.values()]).all(axis=0)
+    of_known = {variant: each[known] for variant, each in quick.items()}
+    return Sample("selected", pairs[known], cross[known], of_known, bound[known])
+
+
 def _quick(finished: Finished, pairs: IntArray, variant: QcrsVariant, partners: Partners) -> FloatArray:
     """QCRS of one variant: the run's own from its tables, the other by the variant's own sigmas."""
     settings = finished.config
@@ -120,36 +132,30 @@ def _quick(finished: Finished, pairs: IntArray, variant: QcrsVariant, partners: 
 
 
 def _findings(finished: Finished, parameters: Parameters, samples: list[Sample]) -> Findings:
-    meets, tops, figures, said = [], [], {}, {}
+    meets, tops, figures = [], [], {}
+    said: dict[tuple[str, str], Agreement] = {}
     for sample in samples:
-        refined = np.isfinite(sample.bound)
-        for variant, quick in sample.quick.items():
-            found = agreement(quick, sample.cross, parameters.draws, parameters.seed)
-            said[sample.kind, variant] = found
-            meets.append((sample.kind, variant, "CRS", *_cells(found)))
-            row = [f"{precision(quick, sample.cross, min(top, len(quick))):.0%}" for top in TOPS]
-            tops.append((sample.kind, variant, "CRS", *row))
-            if refined.sum() >= 3:
-                true = agreement(quick[refined], sample.bound[refined], parameters.draws, parameters.seed)
-                meets.append((sample.kind, variant, "IoU", *_cells(true)))
-                row = [f"{precision(quick[refined], sample.bound[refined], top):.0%}" if top < refined.sum() else "–"
-                       for top in TOPS]  # fmt: skip
-                tops.append((sample.kind, variant, "IoU", *row))
-            bands = calibration(quick, sample.cross, BINS)
-            caption = f"QCRS ({variant}) and CRS, {sample.kind} pairs"
-            figures[f"{sample.kind}-{variant}"] = (
-                plots.scatter((quick, sample.cross), bands, f"QCRS, {variant}", "CRS"), caption,
-            )  # fmt: skip
+        for name, beside, score, reference in _comparisons(sample):
+            found = agreement(score, reference, parameters.draws, parameters.seed)
+            row = [f"{precision(score, reference, top):.0%}" if top < len(score) else "–" for top in TOPS]
+            meets.append((sample.kind, name, beside, *_cells(found)))
+            tops.append((sample.kind, name, beside, *row))
+            if beside == "CRS":
+                said[sample.kind, name] = found
+                figures[f"{sample.kind}-{name.split()[1]}"] = (
+                    plots.scatter((score, reference), calibration(score, reference, BINS), name, beside),
+                    f"{name} and CRS, {sample.kind} pairs",
+                )
     shares = ", ".join(
-        f"{found.alike} of {found.drawn} draws ({found.low:.1%} to {found.high:.1%}) by the {variant} variant"
-        for (kind, variant), found in said.items()
+        f"{found.alike} of {found.drawn} draws ({found.low:.1%} to {found.high:.1%}) by {name}"
+        for (kind, name), found in said.items()
         if kind == "uniform"
     )
-    head = ("pairs", "QCRS", "beside", "pairs", "alike", "95 %", "of all", "ties half", "Kendall", "Spearman",
+    head = ("pairs", "score", "beside", "pairs", "alike", "95 %", "of all", "ties half", "Kendall", "Spearman",
             "nearly tied")  # fmt: skip
     return Findings(
         f"Consistency of QCRS with CRS on {finished.mined.dataset}",
-        f"Two random pairs of shapes are ordered alike by QCRS and CRS in {shares}; in the paper in {PAPER:.1%} of "
+        f"Two random pairs of shapes are ordered as by CRS in {shares}; in the paper in {PAPER:.1%} of "
         f"1,000. The run's own variant is {finished.config.qcrs.variant}. Pairs of pairs that a score ties have no "
         "order and are not drawn; “ties half” counts those that QCRS ties as half alike. “Nearly tied” is the share of "
         "those ordered otherwise whose CRS or IoU are less than 0.05 apart. IoU is what refined trunks allow the worse "
@@ -157,10 +163,23 @@ def _findings(finished: Finished, parameters: Parameters, samples: list[Sample])
         _table(samples),
         [
             Sheet("Pairs of pairs ordered alike", head, meets, 3),
-            Sheet("Precision of the best by QCRS", ("pairs", "QCRS", "beside", *(f"first {k}" for k in TOPS)), tops, 3),
+            Sheet("Of the best by the score, so many are among as many best by the other",
+                  ("pairs", "score", "beside", *(f"first {k}" for k in TOPS)), tops, 3),
         ],
         figures,
-    )
+    )  # fmt: skip
+
+
+def _comparisons(sample: Sample) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
+    """Names and values of a score and what it is held beside, where at least two values of both differ."""
+    refined = np.isfinite(sample.bound)
+    scores = {f"QCRS {variant}": quick for variant, quick in sample.quick.items()}
+    every = [(name, "CRS", score, sample.cross) for name, score in scores.items()]
+    every += [(name, "IoU", score[refined], sample.bound[refined])
+              for name, score in {**scores, "CRS": sample.cross}.items()]  # fmt: skip
+    for one in every:
+        if all(len(values) >= 3 and np.ptp(values) > 0.0 for values in one[2:]):
+            yield one
 
 
 def _cells(found: Agreement) -> tuple[str, ...]:

@@ -76,7 +76,7 @@ def test_the_page_of_studies_tells_what_each_found_or_how_to_make_it(where: Path
     links = [link["href"] for link in page.all("a")]
     assert links == ["../report.html", *(f"{name}/report.html" for name in STUDIES)]
     assert all((index.parent / link).is_file() for link in links)
-    assert "ordered alike by QCRS and CRS in" in text and "python -m" not in text
+    assert "ordered as by CRS in" in text and "python -m" not in text
     (made["timing"] / "table.parquet").rename(made["timing"] / "kept")
     write_contents(index.parents[1])
     assert "python -m pipeline.study timing" in index.read_text(encoding="utf-8")
@@ -95,15 +95,17 @@ def test_consistency_takes_qcrs_of_the_run_from_its_tables(where: Path, made: di
     scored = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pylist()
     quick = {(row["i"], row["j"]): row["score"] for row in scored}
     rows = table(made["consistency"])
-    assert {row["sample"] for row in rows} == {"uniform", "classes"}
+    assert {row["sample"] for row in rows} == {"uniform", "classes", "selected"}
     assert sum(row["sample"] == "uniform" for row in rows) == 20
     for row in rows:
         assert row["qcrs_paper"] == quick[row["i"], row["j"]]
         assert 0.0 <= row["crs"] <= 1.0 and 0.0 <= row["qcrs_tuned"] <= 1.0  # type: ignore[operator]
-    assert sum(np.isfinite(row["bound"]) for row in rows) == 3  # type: ignore[call-overload]
+    assert sum(np.isfinite(row["bound"]) for row in rows if row["sample"] == "uniform") == 3  # type: ignore[call-overload]
     known = {
         (row["i"], row["j"]): row["score"] for row in pq.read_table(where / "outputs/folder/crs.parquet").to_pylist()
     }
+    selected = {(row["i"], row["j"]): row["crs"] for row in rows if row["sample"] == "selected"}
+    assert selected.items() == known.items()
     shared = [row for row in rows if (row["i"], row["j"]) in known]
     assert shared and all(row["crs"] == pytest.approx(known[row["i"], row["j"]]) for row in shared)
 
