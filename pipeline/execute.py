@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pipeline.artifact import Artifact
 from pipeline.cluster import Bundle, Executor, Here, open_cluster
 from pipeline.config import ClusterConfig
-from pipeline.errors import PlaceError
+from pipeline.errors import PlaceError, StartError
 from pipeline.events import ItemDone, Listener, StageEnded, StageStarted
 from pipeline.perform import Failure, Receipt
 from pipeline.places.base import Place
@@ -28,11 +28,15 @@ TASKS_PER_WORKER = 4
 
 @dataclass
 class Run:
-    """A run in progress: what is done, what failed, and how to get a cluster once it is needed."""
+    """A run in progress: what is done, what failed, and how to get a cluster once it is needed.
+
+    With ``unwritable``, why the store takes nothing, it finds everything there or does not start.
+    """
 
     store: Store
     listen: Listener
     cluster: Callable[[], Executor]
+    unwritable: StartError | None = None
     done: set[Reference] = field(default_factory=set)
     failed: dict[Reference, Failure] = field(default_factory=dict)
     blocked: set[Reference] = field(default_factory=set)
@@ -41,7 +45,7 @@ class Run:
     def stage(self, name: str, items: Sequence[WorkItem], *, here: bool = False) -> None:
         """Bring a stage's items into the store; ``here``: in this process, because it is not worth a worker.
 
-        Raises `PlaceError` once the store takes no more.
+        Raises `PlaceError` once the store takes no more, and ``unwritable`` for the first item that it lacks.
         """
         started = time.perf_counter()
         unique = {item.reference: item for item in items}
@@ -54,6 +58,8 @@ class Run:
         self.blocked |= unique.keys() - cached.keys() - ready.keys()
         spent: list[Receipt] = []
         if ready:
+            if self.unwritable is not None:
+                raise self.unwritable
             executor = Here() if here else self.cluster()
             spent = self._work(executor, ready)
         ended = StageEnded(
@@ -182,7 +188,13 @@ def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:
 
 
 @contextlib.contextmanager
-def open_run(root: Place, cluster: ClusterConfig, prepare: Callable[[], None], listen: Listener) -> Iterator[Run]:
+def open_run(
+    root: Place,
+    cluster: ClusterConfig,
+    prepare: Callable[[], None],
+    listen: Listener,
+    unwritable: StartError | None = None,
+) -> Iterator[Run]:
     """A run whose cluster is opened with the first work item that needs it, after ``prepare`` (compiling kernels)."""
     with contextlib.ExitStack() as stack:
         opened: list[Executor] = []
@@ -193,4 +205,4 @@ def open_run(root: Place, cluster: ClusterConfig, prepare: Callable[[], None], l
                 opened.append(stack.enter_context(open_cluster(cluster, root, listen)))
             return opened[0]
 
-        yield Run(Store(root), listen, executor)
+        yield Run(Store(root), listen, executor, unwritable)

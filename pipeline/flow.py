@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -93,9 +94,8 @@ def run_pipeline(config: Config, listen: Listener) -> Outcome:
         try:
             return _run(config, collection, listen, unwritable)
         except OSError as error:  # a full disk, no memory to map a file: what is in the store stays there
-            raise StopError(
-                f"{error}; make room, or make it writable, and give the same command again: it goes on from here"
-            ) from error
+            mend = "make room, or make it writable, and " if isinstance(error, PlaceError) else ""
+            raise StopError(f"{error}; {mend}give the same command again: it goes on from here") from error
 
 
 def _unwritable(store: Place) -> StartError | None:
@@ -114,13 +114,7 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
     started, clock = datetime.now(UTC), time.perf_counter()
     folder = run_folder(config)
     plan = make_plan(config, collection)
-
-    def prepare() -> None:
-        if unwritable is not None:
-            raise unwritable
-        _compile(listen)
-
-    with open_run(config.store, config.cluster, prepare, listen) as run:
+    with open_run(config.store, config.cluster, partial(_compile, listen), listen, unwritable) as run:
         results = _stages(plan, collection, run)
     digest = outcome_digest(results)
     code = WITH_ERRORS if results.errors or results.blocked else CLEAN

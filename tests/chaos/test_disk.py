@@ -7,9 +7,11 @@ import io
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,9 +23,10 @@ from integration.small_runs import BAD_START, CLEAN, WITH_ERRORS, command, diges
 from PIL import ImageFile
 from rich.console import Console
 
+import pipeline.execute
 from pipeline.artifact import Artifact
 from pipeline.cache import OK, main
-from pipeline.config import Config
+from pipeline.config import ClusterConfig, Config
 from pipeline.errors import PlaceError
 from pipeline.exits import FAILED
 from pipeline.keys import KeyParts
@@ -62,6 +65,20 @@ def mine(
     with recording(log, disturb):
         ended = _run(config, Console(file=io.StringIO()), Console(file=complaints, soft_wrap=True))
     return ended.code, complaints.getvalue().strip(), begun(log)
+
+
+def opened_to_write(folder: Path) -> list[str]:
+    """Files below a folder that this process opens to write, or tries to, from now on."""
+    found: list[str] = []
+
+    def hook(event: str, arguments: Any) -> None:
+        if event == "open" and arguments[2] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT):
+            path = arguments[0]
+            if isinstance(path, str | os.PathLike) and os.fspath(path).startswith(str(folder)):
+                found.append(os.fspath(path))
+
+    sys.addaudithook(hook)
+    return found
 
 
 def tidy(undisturbed: Undisturbed, where: Path) -> None:
@@ -140,13 +157,22 @@ def lock_the_store_before(undisturbed: Undisturbed, where: Path) -> None:
     shutil.copytree(undisturbed.where / "store", store, dirs_exist_ok=True)
     change(store, "ro")
     before = {path: path.stat().st_mtime_ns for path in store.rglob("*")}
-    # Whoever wants nothing that is not there already is served.
-    assert mine(config, where) == (CLEAN, "", [])
-    assert mine(config, where) == (CLEAN, "", [])  # and now finds its tables up to date
+    # Whoever wants nothing that is not there already is served, without workers.
+    tried = opened_to_write(store)
+    on_workers = replace(config, cluster=ClusterConfig("local", workers=2))
+    pipeline.execute.open_cluster = lambda *_: pytest.fail("a cluster was opened")
+    assert mine(on_workers, where) == (CLEAN, "", [])
+    assert mine(on_workers, where) == (CLEAN, "", [])  # and now finds its tables up to date
+    assert len(tried) == 2  # each run once, to see whether it can
     assert digests(where) == undisturbed.tables
     assert {path: path.stat().st_mtime_ns for path in store.rglob("*")} == before
-    code, said, work = mine(replace(config, trunks=replace(config.trunks, tau_s=0.09)), where)
-    assert (code, work) == (BAD_START, []) and f"{store}: Read-only file system" in said
+    # Selection is done in the run's own process, all else on workers.
+    for other in (
+        replace(on_workers, select=replace(config.select, top=1)),
+        replace(on_workers, trunks=replace(config.trunks, tau_s=0.09)),
+    ):
+        code, said, work = mine(other, where)
+        assert (code, work) == (BAD_START, []) and f"{store}: Read-only file system" in said
 
 
 def refuse_the_outputs(undisturbed: Undisturbed, where: Path) -> None:
