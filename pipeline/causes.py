@@ -22,17 +22,17 @@ Cause = tuple[str, str]
 
 NOTHING_STORED = "new: nothing of this stage is in the store"
 
+NOT_DONE = "not done yet: all that it reads is in the store (a run ended before it, it failed, or none asked for it)"
+
 FEW = 3
 """So many names, or causes of one work item, are told."""
 
 
-def reasons(missing: Iterable[WorkItem], store: Store) -> Counter[str]:
-    """Why work items are not in the store, counted: against the nearest of what the store has of the same stage."""
-    return Causes(store).of(missing)
-
-
 class Causes:
-    """Why work items are not in the store, asked stage after stage: what a stage hands on is told by its own cause."""
+    """Why work items are not in the store, against the nearest of what it has of the same stage.
+
+    Asked stage after stage: what a stage hands on is told by its own cause.
+    """
 
     def __init__(self, store: Store, pictures: Pictures | None = None) -> None:
         self._store, self._pictures = store, pictures or Pictures()
@@ -67,11 +67,13 @@ class Causes:
         return tuple((item.stage, text) for text in found.changes(item.parts.to_json()))
 
     def _inputs(self, item: WorkItem) -> tuple[Cause, ...]:
-        """What is other in the inputs, if nothing that made them is."""
+        """What is other in the inputs, if nothing that made them is: all of them are in the store."""
         found = nearest(item.parts.to_json(), self._known[item.stage])
         if item.stage == "ingest":
             return (("ingest", self._pictures.changed(item, found)),)
-        if found.inputs.issuperset(item.parts.inputs) and self._pictures.removed:
+        if not found.inputs.issuperset(item.parts.inputs):
+            return ((item.stage, NOT_DONE),)
+        if self._pictures.removed:
             return (("ingest", self._pictures.removed),)
         return ((item.stage, found.new_inputs(item.parts.inputs)),)
 
@@ -135,7 +137,7 @@ class Known:
         """How a key's inputs differ from these, in words."""
         new = set(inputs) - self.inputs
         if not new:
-            return "inputs: known ones in a new combination, or under other names"
+            return "inputs: known ones in a combination that is not done yet, or under other names"
         return f"inputs: {len(new)} of {len(set(inputs))} are new"
 
 

@@ -12,8 +12,9 @@ import pytest
 from edited_project import ALL, EDITS, PICTURES, Edit, Project, finished_once
 from rich.console import Console
 
-from pipeline.causes import Causes
+from pipeline.causes import NOT_DONE, Causes
 from pipeline.explain import show_explanation
+from pipeline.store import folder_name
 
 CAUSE = re.compile(r"(?:code|versions)\.[\w.-]+|parameters\.\S+ \S+ → \S+|picture [^;]+|inputs:.*|new:.*|pictures in.*")
 
@@ -51,6 +52,20 @@ def test_what_an_earlier_stage_hands_on_is_told_as_its(finished: Project) -> Non
     assert set(found["ingest"]) == {edit.cause}
     for stage in ("reversibility", "trunks", "qcrs", "select"):
         assert set(found[stage]) == {f"after ingest: {edit.cause}"}
+
+
+@pytest.mark.parametrize("stage", ["qcrs", "trunks_full", "crs", "construct"])
+def test_what_a_stopped_run_left_undone_is_no_edit(finished: Project, stage: str) -> None:
+    store = finished.store
+    undone = [item for item in finished.plan() if item.stage == stage][1:]
+    gone = {item.reference for item in undone}
+    for item in finished.plan():  # chained: sources come before what reads them
+        if item.reference in gone or not gone.isdisjoint(item.sources):
+            gone.add(item.reference)
+            store.files.remove(folder_name(*item.reference))
+    found = {name: texts for name, texts in causes(finished).items() if texts}
+    assert found.pop(stage) == {NOT_DONE: len(undone)}
+    assert all(text.endswith(f"after {stage}: {NOT_DONE}") for texts in found.values() for text in texts)
 
 
 def test_two_edits_are_both_named(finished: Project) -> None:

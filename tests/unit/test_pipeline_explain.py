@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from pipeline.artifact import Artifact
-from pipeline.causes import explain, gather, reasons
+from pipeline.causes import NOT_DONE, Causes, explain, gather
 from pipeline.keys import KeyParts
 from pipeline.plan import WorkItem
 from pipeline.store import PAYLOAD, Store
@@ -33,7 +33,7 @@ def parts(**changes: Any) -> KeyParts:
         ({"code": {"riot.cross": "aaaaaaaaaaaa", "riot.new": "cccccccccccc"}}, "code.riot.new absent → cccccccc"),
         ({"versions": {"numpy": "2.1"}}, "versions.numpy '2.0' → '2.1'"),
         ({"inputs": ("a", "c")}, "inputs: 1 of 2 are new"),
-        ({"inputs": ("b", "a")}, "inputs: known ones in a new combination, or under other names"),
+        ({"inputs": ("b", "a")}, "inputs: known ones in a combination that is not done yet, or under other names"),
         ({"schema": 2}, "schema 1 → 2"),
     ],
 )
@@ -57,11 +57,11 @@ def test_misses_are_counted_by_reason(tmp_path: Path) -> None:
     payload = store.folder("crs", damaged.key()) / PAYLOAD
     payload.write_bytes(payload.read_bytes()[:-1])
     items = [damaged, parts(inputs=("a", "c")), parts(inputs=("c", "b")), parts(versions={"numpy": "3"})]
-    found = reasons([WorkItem(one, (), (), None, ()) for one in items], store)
-    assert found["inputs: 1 of 2 are new"] == 2 and found["versions.numpy '2.0' → '3'"] == 1
+    found = Causes(store).of([WorkItem(one, (), (), None, ()) for one in items])
+    assert found[NOT_DONE] == 2 and found["versions.numpy '2.0' → '3'"] == 1
     assert sum(count for text, count in found.items() if text.startswith("corrupt")) == 1
 
 
 def test_an_empty_store_explains_itself(tmp_path: Path) -> None:
-    (text,) = reasons([WorkItem(parts(), (), (), None, ())], Store(tmp_path))
+    (text,) = Causes(Store(tmp_path)).of([WorkItem(parts(), (), (), None, ())])
     assert text.startswith("new")
