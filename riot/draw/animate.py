@@ -5,13 +5,23 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from riot.draw.course import REST, calm, eased, hinge_dot, loop_seconds, motion_marks, stacking
+from riot.draw.course import (
+    REST,
+    Course,
+    calm,
+    course,
+    eased,
+    hinge_dot,
+    loop_seconds,
+    motion_marks,
+    stacking,
+    swept_box,
+)
 from riot.draw.panels import sketch
-from riot.draw.scene import Dot, Scene, around, extent
+from riot.draw.scene import Dot, Scene
 from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import dot, naming, painted, piece_id, place, whole
 from riot.motion import Motion
-from riot.pose import Pose
 from riot.transform import Transform
 
 STILL = 0.35
@@ -49,25 +59,23 @@ def swing_of(transform: Transform, prefix: str, skins: Skins = PLAIN) -> Swing:
     """The animation, for pieces defined under ``prefix`` (see `riot.draw.svg.definitions`)."""
     drawn, motion = sketch(transform), transform.motion()
     frames = calm(motion)
-    times = [float(t) for t in eased(frames)]
-    there = [motion.pose_at(t) for t in times]
-    poses = there[:1] * (REST // 2) + there + there[-1:] * REST + there[-2:0:-1] + there[:1] * (REST // 2)
-    seconds = loop_seconds(frames)
+    there = course(motion, eased(frames))
     # The path between two key frames leaves the frames' own box by the height of an arc of a few degrees.
-    box = around((extent(motion_marks(drawn, motion, t), drawn.pieces) for t in times), margin=0.05)
+    box = swept_box(drawn, there, margin=0.05)
     pen = (box[2] - box[0]) / _PENS_ACROSS
     names = transform.p.name or "P", transform.q.name or "Q"
     title = f"{len(drawn)} hinged pieces swing from {names[0]} to {names[1]} and back: the chain {motion.words}"
     scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL)), skins)
     uses = [f'<use href="#{piece_id(prefix, i, skins=skins)}"/>' for i in range(len(drawn))]
-    moving = "".join(_piece(drawn, i, poses, seconds, uses[i], pen, motion) for i in stacking(motion))
+    moving = "".join(_piece(drawn, i, there, uses[i], pen, motion) for i in stacking(motion))
     body = f'<g class="r-move">{moving}</g><g class="r-still">{painted(scene, prefix)}</g>'
     return Swing(scene, body)
 
 
-def _piece(drawn: Transform, i: int, poses: list[Pose], seconds: float, use: str, pen: float, motion: Motion) -> str:
-    moves = ";".join(place(float(pose.origins[i, 0]), float(pose.origins[i, 1])) for pose in poses)
-    turns = ";".join(_degrees(float(pose.headings[i])) for pose in poses)
+def _piece(drawn: Transform, i: int, there: Course, use: str, pen: float, motion: Motion) -> str:
+    moves = _loop([place(x, y) for x, y in there.origins[:, i].tolist()])
+    turns = _loop([_degrees(heading) for heading in there.headings[:, i].tolist()])
+    seconds = loop_seconds(len(there.headings) - 1)
     inner = use
     if i == (motion.open_hinge - 1) % len(drawn):
         inner += dot(Dot(drawn.pieces[i].length, 0.0, "open"), pen)
@@ -75,6 +83,12 @@ def _piece(drawn: Transform, i: int, poses: list[Pose], seconds: float, use: str
     return (
         f"<g>{_animation('translate', moves, seconds)}<g>{_animation('rotate', turns, seconds)}{inner}</g>{start}</g>"
     )
+
+
+def _loop(there: list[str]) -> str:
+    """The key frames of the way there, a pause, the way back, and a pause around the start."""
+    rest = there[:1] * (REST // 2)
+    return ";".join([*rest, *there, *there[-1:] * REST, *there[-2:0:-1], *rest])
 
 
 def _animation(kind: str, values: str, seconds: float) -> str:

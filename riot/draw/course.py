@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from riot.draw.scene import Dot, Mark, Part
+from riot.draw.scene import Box, Dot, Mark, Part, around, swept
 from riot.motion import Motion
+from riot.motion.motion import LIFT
 from riot.pose import direction
 from riot.shape import FloatArray
 from riot.transform import Transform
@@ -29,6 +31,14 @@ SECONDS = 8.0
 """One loop of `FRAMES`: a pause as P, the way there, a pause as Q, the way back. More frames take longer."""
 
 
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The n pieces at k times: (k, n) headings, radians, and (k, n, 2) origins, as `riot.pose.Pose` has them."""
+
+    headings: FloatArray
+    origins: FloatArray
+
+
 def eased(frames: int) -> FloatArray:
     """(frames + 1,) times from 0 to 1, slow at both ends."""
     steps = np.linspace(0.0, 1.0, frames + 1)
@@ -41,11 +51,60 @@ def loop_seconds(frames: int) -> float:
     return SECONDS * (frames + REST) / (FRAMES + REST)
 
 
+def course(motion: Motion, times: FloatArray) -> Course:
+    """`Motion.pose_at` at all ``times`` (k,) in [0, 1], at once.
+
+    Between two knots all headings, and the mean of the edges' middles, change evenly. So poses are asked for at the
+    knots alone; at the other times the pieces are laid one after another, and then all together where they belong.
+    """
+    knots = _knots(motion)
+    known = [motion.pose_at(float(t)) for t in knots]
+    at_knots = np.array([pose.headings for pose in known])
+    headings = _between(times, knots, at_knots)
+    n = len(motion.chain.lengths)
+    edges, known_edges = _edges(motion, headings), _edges(motion, at_knots)
+    chain = (motion.open_hinge + np.arange(n)) % n
+    origins = np.zeros_like(edges)
+    origins[:, chain[1:]] = np.cumsum(edges[:, chain[:-1]], axis=1)
+    middles = _between(times, knots, _middle(np.array([pose.origins for pose in known]), known_edges))
+    return Course(headings, origins + (middles - _middle(origins, edges))[:, None])
+
+
+def _knots(motion: Motion) -> FloatArray:
+    """Times between which every hinge turns evenly, and the chain as a whole is carried evenly."""
+    carried = () if motion.flat else (LIFT, 1.0 - LIFT)
+    knots: FloatArray = np.unique([0.0, *carried, 1.0, *motion.times])
+    return knots
+
+
+def _between(times: FloatArray, knots: FloatArray, values: FloatArray) -> FloatArray:
+    """(k, m) values at ``times``, of columns known at the knots."""
+    return np.stack([np.interp(times, knots, column) for column in values.T], axis=1)
+
+
+def _edges(motion: Motion, headings: FloatArray) -> FloatArray:
+    """(k, n, 2) trunk edges of pieces with these headings (k, n)."""
+    edges: FloatArray = np.stack([np.cos(headings), np.sin(headings)], axis=-1) * motion.chain.lengths[:, None]
+    return edges
+
+
+def _middle(origins: FloatArray, edges: FloatArray) -> FloatArray:
+    """(k, 2) mean of the edges' middles."""
+    middle: FloatArray = (origins + 0.5 * edges).mean(axis=1)
+    return middle
+
+
 def calm(motion: Motion, frames: int = FRAMES) -> int:
     """Frames of the way, at least so many, for `eased` times between which no piece turns by more than `STEP`."""
-    fine = [motion.pose_at(float(t)).headings for t in eased(8 * frames)]
+    fine = course(motion, eased(8 * frames)).headings
     fastest = float(np.abs(np.diff(fine, axis=0)).max()) * 8.0
     return max(frames, math.ceil(frames * fastest / STEP))
+
+
+def swept_box(drawn: Transform, found: Course, margin: float) -> Box:
+    """The smallest box around all pieces in all poses, and a margin."""
+    boxes = (swept(piece.polygon, found.headings[:, i], found.origins[:, i]) for i, piece in enumerate(drawn.pieces))
+    return around(boxes, margin)
 
 
 def stacking(motion: Motion) -> list[int]:

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw
 
-from riot.draw.course import FRAMES, REST, calm, eased, loop_seconds, motion_marks
+from riot.draw.course import FRAMES, REST, calm, course, eased, loop_seconds, motion_marks, swept_box
 from riot.draw.figure import PictureFormatError
 from riot.draw.palette import LIGHT, PENS, colour, hue
 from riot.draw.panels import sketch
-from riot.draw.scene import Box, Dot, Part, Scene, around, extent, placed
+from riot.draw.scene import Box, Dot, Part, Scene, placed
 from riot.draw.skin import PLAIN, Skin, Skins
 from riot.errors import RiotError
 from riot.pose import rotate
@@ -135,8 +135,7 @@ class _Camera:
 
     def __init__(self, transform: Transform, width: int, even: int, skins: Skins) -> None:
         self._drawn, self.motion, self._skins = sketch(transform), transform.motion(), skins
-        marks = (motion_marks(self._drawn, self.motion, float(t)) for t in eased(FRAMES))
-        self._box: Box = around((extent(found, self._drawn.pieces) for found in marks), margin=0.05)
+        self._box: Box = swept_box(self._drawn, course(self.motion, eased(FRAMES)), margin=0.05)
         x0, y0, x1, y1 = self._box
         self._scale = SMOOTH * width / (x1 - x0)
         high = round(width * (y1 - y0) / (x1 - x0))

@@ -134,6 +134,14 @@ def extent(marks: Iterable[Mark], pieces: tuple[Piece, ...]) -> Box:
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
+def swept(points: FloatArray, headings: FloatArray, origins: FloatArray) -> Box:
+    """The smallest box around (k, 2) points turned by each of the headings (m,), radians, and moved by its origin."""
+    cosines, sines = np.cos(headings)[:, None], np.sin(headings)[:, None]
+    x = points[:, 0] * cosines - points[:, 1] * sines + origins[:, :1]
+    y = points[:, 0] * sines + points[:, 1] * cosines + origins[:, 1:]
+    return float(x.min()), float(y.min()), float(x.max()), float(y.max())
+
+
 def around(boxes: Iterable[Box], margin: float = 0.0) -> Box:
     """The smallest box around boxes, and a margin."""
     x0, y0, x1, y1 = zip(*boxes, strict=True)

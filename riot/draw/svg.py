@@ -138,7 +138,7 @@ def path_data(points: FloatArray, closed: bool = True) -> str:
     steps = steps[(steps != 0).any(axis=1)]
     text = f"M{grid[0, 0]} {grid[0, 1]}"
     if len(steps):
-        text += "l" + "".join(f"{_joined(dx)}{_joined(dy)}" for dx, dy in steps.tolist()).lstrip()
+        text += "l" + " ".join(map(str, steps.ravel().tolist())).replace(" -", "-")  # a sign parts numbers too
     return text + ("z" if closed else "")
 
 
@@ -221,7 +221,3 @@ def _whole(value: float) -> int:
 
 def _number(value: float) -> str:
     return f"{value:.4g}"
-
-
-def _joined(value: int) -> str:
-    return str(value) if value < 0 else f" {value}"

@@ -10,11 +10,11 @@ import pytest
 from PIL import Image
 
 from riot.draw import animate_svg, draw_transform
-from riot.draw.course import FRAMES, eased
+from riot.draw.course import FRAMES, STEP, calm, course, eased, motion_marks, swept_box
 from riot.draw.figure import STRIP_TIMES, figure_scene
 from riot.draw.palette import DARK, LIGHT, PENS, PIECES, colour, hue
 from riot.draw.panels import DETAIL, chain_marks, pose_marks, sketch
-from riot.draw.scene import Part, extent, moved, placed
+from riot.draw.scene import Part, around, extent, moved, placed
 from riot.draw.svg import document, escape, path_data, turn
 from riot.errors import RiotError
 from riot.groundtruth import dudeney, exact_pair, exact_transform
@@ -178,6 +178,43 @@ def test_path_data_reads_back_to_a_thousandth():
 
 def test_turns_are_short_and_clockwise():
     assert [turn(value) for value in (0.0, -0.0, -1e-9, np.pi / 2, -2 * np.pi - 1e-12)] == ["0", "0", "0", "-90", "0"]
+
+
+@pytest.fixture(params=["as planned", "with stops", "with lifts"])
+def motion(transform, request):
+    """The plan; with stops at arbitrary turns, of which some are wide; and as if a hinge had to lift besides."""
+    planned = transform.motion()
+    if request.param == "as planned":
+        return planned
+    times, n, rng = np.array([0.0, 0.13, 0.4, 0.41, 1.0]), len(transform), np.random.default_rng(11)
+    stops = [planned.turns_at(t) + rng.uniform(-3.0, 3.0, n) for t in times[1:-1]]
+    turns = np.array([planned.turns[0], *stops, planned.turns[-1]])
+    lifted = ((planned.open_hinge + 1) % n,) if request.param == "with lifts" else ()
+    levels = np.zeros((5, n), dtype=np.int64)
+    levels[1:-1, lifted] = 1
+    return replace(planned, lifted=lifted, times=times, turns=turns, levels=levels)
+
+
+class TestCourse:
+    """All poses at once are those of `Motion.pose_at`, one by one."""
+
+    @pytest.mark.parametrize("times", [eased(97), np.linspace(0.0, 1.0, 11), np.array([0.37]), np.array([1.0, 0.0])])
+    def test_is_the_poses_one_by_one(self, motion, times):
+        found, poses = course(motion, times), [motion.pose_at(float(t)) for t in times]
+        assert np.allclose(found.headings, [pose.headings for pose in poses], rtol=0.0, atol=1e-12)
+        assert np.allclose(found.origins, [pose.origins for pose in poses], rtol=0.0, atol=1e-12)
+
+    def test_counts_the_frames_of_the_poses_one_by_one(self, motion):
+        for least in (1, 10, FRAMES):
+            fine = [motion.pose_at(float(t)).headings for t in eased(8 * least)]
+            fastest = np.abs(np.diff(fine, axis=0)).max() * 8.0
+            assert calm(motion, least) == max(least, int(np.ceil(least * fastest / STEP)))
+
+    def test_its_frame_is_that_of_the_marks_of_every_pose(self, transform, motion):
+        drawn, times = sketch(transform), eased(FRAMES)
+        marks = [motion_marks(drawn, motion, float(t)) for t in times]
+        plain = around((extent(found, drawn.pieces) for found in marks), 0.05)
+        assert swept_box(drawn, course(motion, times), 0.05) == pytest.approx(plain, rel=0.0, abs=1e-12)
 
 
 class TestAnimation:
