@@ -16,7 +16,7 @@ from pipeline.study.registry import STUDIES
 from pipeline.tables import SCHEMAS
 
 DOCS = ROOT / "docs"
-PAGES = ("index.md", "mine.md", "scores.md", "tables.md", "make.md", "studies.md", "limits.md")
+PAGES = ("index.md", "mine.md", "scores.md", "tables.md", "make.md", "studies.md", "findings.md", "limits.md")
 COMMANDS = {
     ("riot",): (pipeline.app.main, ()),
     ("python", "-m", "pipeline.run"): (pipeline.run.main, ("cluster=sync",)),  # which writes the same bytes
