@@ -219,7 +219,8 @@ def _local(config: ClusterConfig, _root: Place | None, _listen: Listener) -> Ite
     if not config.dashboard:
         _unwatched()
     workers = config.workers or os.cpu_count() or 1
-    with _deaf_to_interrupts():
+    # The terminal sends Ctrl-C to all processes, and this one alone should answer.
+    with _answering_interrupts(signal.SIG_IGN):
         cluster = LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
@@ -235,12 +236,12 @@ def _local(config: ClusterConfig, _root: Place | None, _listen: Listener) -> Ite
 
 
 @contextlib.contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Start processes that ignore Ctrl-C: the terminal sends it to all, and this process alone should answer."""
+def _answering_interrupts(answer: Any) -> Iterator[None]:
+    """While entered Ctrl-C is handled by ``answer``, also in processes that are started, and then again as before."""
     if threading.current_thread() is not threading.main_thread():
         yield  # signals belong to the main thread
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.signal(signal.SIGINT, answer)
     try:
         yield
     finally:
@@ -272,7 +273,9 @@ def _slurm(config: ClusterConfig, root: Place | None, listen: Listener) -> Itera
         if shutil.which(name) is None:
             raise StartError(f"cluster=slurm: there is no `{name}` here; start the run where Slurm jobs are submitted")
     try:
-        from pipeline.slurm import Jobs, slurm_cluster
+        # Once dask-jobqueue is loaded, Ctrl-C would end this process with exit code 0, as if all were done.
+        with _answering_interrupts(signal.getsignal(signal.SIGINT)):
+            from pipeline.slurm import Jobs, slurm_cluster
     except ImportError as error:
         raise StartError("cluster=slurm needs dask-jobqueue: pip install 'riot-shapes[slurm]'") from error
     try:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from small_runs import BAD_START, CLEAN, command, digests, run_here
+from small_runs import BAD_START, CLEAN, INTERRUPTED, command, digests, run_here
 from stand_in_slurm import Slurm
 
+from pipeline.admission import Admission
 from pipeline.closure import ROOT
 from pipeline.cluster import open_cluster
 from pipeline.command import check_command, complete
@@ -56,17 +59,33 @@ def test_slurm_jobs_are_what_the_configuration_says(tmp_path: Path) -> None:
     assert "--nworkers 6" in worker and "--nthreads 1" in worker and "--memory-limit 0" in worker
 
 
-def test_a_job_that_dies_is_replaced_and_the_bytes_are_the_same(
+def test_an_interrupt_cancels_all_jobs_and_one_that_dies_is_replaced(
     slurm: Slurm, finished: Path, root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """One run in two lives, so that its work is done once: it is interrupted, goes on, and loses all its workers."""
+    with subprocess.Popen(
+        command(tmp_path, root, *HERE, "cluster.jobs=2", "cluster.workers=1"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # Where the tests run in the background, interrupts are ignored, and processes inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as driver:
+        assert driver.stdout is not None
+        assert any(line.startswith("ingest") for line in driver.stdout), slurm.said()
+        driver.send_signal(signal.SIGINT)
+        _, said = driver.communicate(timeout=120)
+    assert driver.returncode == INTERRUPTED and "the same command goes on" in said and "Traceback" not in said
+    assert len(slurm.submitted) == 2 and set(slurm.cancelled) == set(slurm.submitted) and slurm.ended()
+
     monkeypatch.setattr("pipeline.cluster.PATIENCE", 3)
     noted: list[str] = []
 
     def listen(event: object) -> None:
         if isinstance(event, Note):
             noted.append(event.text)
-        if isinstance(event, ItemDone) and event.stage == "trunks" and len(slurm.submitted) == 1:
-            slurm.kill(*slurm.submitted)
+        if isinstance(event, ItemDone) and event.stage == "qcrs" and len(slurm.submitted) == 3:
+            slurm.kill(slurm.submitted[-1])
 
     # One job of several workers: dask-jobqueue alone never sees that it has ended.
     line = command(tmp_path, root, *HERE, "cluster.jobs=1", "cluster.workers=2")[3:]
@@ -74,8 +93,19 @@ def test_a_job_that_dies_is_replaced_and_the_bytes_are_the_same(
     assert outcome.code == CLEAN, slurm.said()
     assert digests(tmp_path) == digests(finished)
     assert "all workers have gone: waiting for others to join" in noted
-    assert len(slurm.submitted) == 2 and set(slurm.cancelled) == set(slurm.submitted)
+    assert len(slurm.submitted) == 4 and set(slurm.cancelled) == set(slurm.submitted)
     assert slurm.ended()
+
+
+def test_an_interrupt_while_jobs_wait_cancels_them(slurm: Slurm, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Admission, "threads", lambda _: signal.raise_signal(signal.SIGINT))
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), open_cluster(ClusterConfig("slurm", jobs=2, interface="lo", wait=60)):
+            pass
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert set(slurm.cancelled) == set(slurm.submitted) and slurm.ended()
 
 
 def test_an_sbatch_that_fails_is_no_start(slurm: Slurm, root: Path, tmp_path: Path) -> None:
