@@ -48,7 +48,7 @@ td{overflow-wrap:break-word}
 .share{display:block;min-width:110px;height:9px;margin-top:.45em;border-radius:5px;background:var(--line);overflow:hidden}
 .share i{display:block;height:100%;background:var(--r-piece0);border-radius:5px}
 .unseen{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%);white-space:nowrap}
-.plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));gap:16px;align-items:start}
+.plots{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,400px),1fr));gap:16px;align-items:start}
 .plots .wide{grid-column:1/-1}
 .plot{margin:0;background:var(--r-paper);border-radius:14px;padding:18px}
 .plot svg{display:block;width:100%;height:auto}

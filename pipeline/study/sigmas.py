@@ -133,7 +133,7 @@ def _findings(finished: Finished, choices: Sequence[Choice]) -> Findings:
                  for variant in QCRS_VARIANTS},
                 "CPU time / the paper variant's", "share ordered as by CRS",
             ),
-            "What σ_A gains and costs; along each line it grows to the right",
+            "What σ_A gains and costs; it grows along each line, upwards where it gains",
         )},
         {TIMES: encoded(_times(choices))},
     )  # fmt: skip
