@@ -151,6 +151,8 @@ def _joined(plan: Plan, broken: dict[Pair, _Broken], run: Run) -> tuple[Plan, tu
         join = importlib.import_module(BY_NAME[whole.stage].module).join
         artifacts = [run.store.get(*part.reference) for part in found.done]
         run.adopt(whole, made, found.done, join(artifacts, without))
+        if without:  # the next run tries the block anew, and then needs its parts
+            run.done |= {part.reference for part in found.done}
         run.failed |= {one.item.reference: failure for one, failure in found.lost}
         qcrs[place] = made
         lost += [one.item for one, _ in found.lost]

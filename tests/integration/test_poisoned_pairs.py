@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 from small_runs import CLEAN, WITH_ERRORS, digests, pictures, table
 
+import pipeline.cache
 import pipeline.perform
 import pipeline.plan
 import pipeline.quarantine
@@ -21,8 +22,10 @@ from pipeline.config import Config, make_config
 from pipeline.events import Event, Note
 from pipeline.flow import Outcome, run_pipeline
 from pipeline.part import Part
+from pipeline.plan import Reference
 from pipeline.quarantine import OF_SHAPES
 from pipeline.stages import Work, work_of
+from pipeline.store import Store
 from pipeline.work.items import count_shapes
 
 Poison = Callable[[str, Sequence[Any], Any], bool]
@@ -124,6 +127,19 @@ def pairs_of(inputs: Sequence[Any], spec: Any, areas: dict[float, int]) -> set[t
     return {(p, q) for p, q in product(first, second) if p < q}
 
 
+def payloads(where: Path) -> dict[Reference, str]:
+    """Digests of everything in the store."""
+    return {(one.stage, one.key): one.digest for one in Store(where / "store").entries()}
+
+
+def tidied(where: Path) -> bool:
+    """Delete what nobody needs from the store; whether that was anything."""
+    before = payloads(where)
+    places = ("--store", str(where / "store"), "--outputs", str(where / "outputs"))
+    assert pipeline.cache.main(["gc", "--stale", *places]) == pipeline.cache.OK
+    return payloads(where).keys() < before.keys()
+
+
 def scores(where: Path) -> pd.DataFrame:
     found = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pandas()
     return found.drop(columns="i_block").set_index(["i", "j"])
@@ -161,6 +177,7 @@ def test_only_deadly_pairs_are_lost(
     differ = {name for name in got if got[name] != wanted[name]}
     assert {name for name in differ if not name.startswith("qcrs/")} == {"errors.parquet", "artifacts.json"}
     # The next run tries the block and the pair again, and nothing else; once they do well nothing is lost.
+    assert not tidied(tmp_path)
     assert planted.mine(tmp_path, poison).code == WITH_ERRORS and planted.begun == []
     assert planted.mine(tmp_path).code == CLEAN and set(planted.begun) == {"qcrs", "select"}
     assert digests(tmp_path) == wanted
@@ -176,6 +193,9 @@ def test_a_block_that_fails_only_as_a_whole_is_done_in_parts(
     assert outcome.code == CLEAN and digests(tmp_path) == digests(clean)
     (stage,) = (stage for stage in outcome.results.stages if stage.stage == "qcrs")
     assert stage.failed == 0 and stage.computed == stage.total
+    # Another run may commit the block as a whole at the same time: the joined one has its bytes.
+    assert payloads(clean).items() <= payloads(tmp_path).items() and tidied(tmp_path)
+    assert payloads(clean) == payloads(tmp_path)
     again = planted.mine(tmp_path, poison)
     assert (again.code, again.written, planted.begun) == (CLEAN, False, [])
 
@@ -188,6 +208,7 @@ def test_a_batch_that_fails_only_as_a_whole_is_done_shape_by_shape(
 
     assert planted.mine(tmp_path, poison).code == CLEAN
     assert digests(tmp_path) == digests(clean)
+    assert payloads(clean).items() <= payloads(tmp_path).items() and tidied(tmp_path)
     assert planted.mine(tmp_path, poison).code == CLEAN and planted.begun == []
 
 
@@ -241,6 +262,7 @@ def test_a_search_that_fails_only_as_a_whole_is_done_in_parts(
 
     assert planted.mine(tmp_path, poison, **TOPK).code == CLEAN
     assert digests(tmp_path) == digests(clean_topk)
+    assert payloads(clean_topk).items() <= payloads(tmp_path).items() and tidied(tmp_path)
     assert planted.mine(tmp_path, poison, **TOPK).code == CLEAN and planted.begun == []
 
 
