@@ -9,7 +9,6 @@ from pipeline import tables
 from pipeline.outputs import from_rows, new_place, replace_folder, write_table
 from pipeline.results import Results, Row
 from pipeline.store import write_atomically
-from pipeline.work.fabricate import COLUMNS
 
 FOLDER = "print"
 
@@ -46,5 +45,6 @@ def write_puzzles(results: Results, transforms: Sequence[Row], folder: Path) -> 
 
 
 def _row(transform: Row, document: Mapping[str, object], place: str) -> Row:
-    shared = {name: transform[name] for name in SHARED}
-    return {**shared, **{name: document.get(name) for name in COLUMNS}, "folder": place}
+    # The document has the other columns of the table, whose names need no stage to be loaded.
+    own = [name for name in tables.FABRICATIONS.names if name not in (*SHARED, "folder")]
+    return {**{name: transform[name] for name in SHARED}, **{name: document.get(name) for name in own}, "folder": place}

@@ -10,7 +10,6 @@ from pipeline.errors import PayloadError
 from pipeline.outputs import new_place, replace_folder
 from pipeline.results import Results, Row
 from pipeline.store import write_atomically
-from pipeline.work.paint import unpack_skins
 from riot.draw.skin import PLAIN, Skins
 
 FOLDER, SUFFIX = "skins", ".skins"
@@ -41,6 +40,8 @@ def read_skins(folder: Path, transform_file: str, pieces: int) -> Skins:
     """The skins of a transform of so many pieces in a run's folder; plain ones if there is no whole file of them."""
     try:
         arrays = decode((folder / FOLDER / (Path(transform_file).stem + SUFFIX)).read_bytes()).arrays
+        from pipeline.work.paint import unpack_skins  # here: most runs have no colours
+
         return unpack_skins(arrays, pieces)
     except (OSError, PayloadError, KeyError):
         return PLAIN

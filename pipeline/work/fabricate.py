@@ -23,15 +23,11 @@ from riot.texture.names import Side
 from riot.texture.paint import Texture
 from riot.transform import Transform
 
-COLUMNS = (
-    "status", "reason", "message", "size", "thickness", "pin", "changes", "parts", "components", "volume", "least_wall",
-    "least_gap", "proven_gap", "overlap", "poses", "pin_hinges", "telescopic_hinges", "warnings",
-)  # fmt: skip
-"""What `fabrications` has of it."""
-
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures | None) -> Artifact:
-    """A transform with its motion → the puzzle's files by name, (bytes,) uint8 each, and a document: `COLUMNS`.
+    """A transform with its motion → the puzzle's files by name, (bytes,) uint8 each, and a document.
+
+    The document has what the columns of `pipeline.tables.FABRICATIONS` say of a puzzle.
 
     ``spec``: the colour pictures of its shapes, for the texture sheets among the paperwork; one that cannot be a
     texture is told in the warnings. A puzzle that cannot be made, or fails its certificate, has no files and a reason:

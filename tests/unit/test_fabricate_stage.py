@@ -19,11 +19,12 @@ from pipeline.datasets import Collection
 from pipeline.errors import ConfigError
 from pipeline.item import Item
 from pipeline.plan import WorkItem, make_plan, plan_fabrications
+from pipeline.puzzles import SHARED
 from pipeline.remarks import remarks
 from pipeline.report.puzzles import puzzles
 from pipeline.stages import BY_NAME, recipe
 from pipeline.tables import FABRICATIONS
-from pipeline.work.fabricate import COLUMNS, run
+from pipeline.work.fabricate import run
 from riot.fabricate import FabricationParameters
 from riot.groundtruth import exact_pair, exact_transform
 from riot.riotfile import from_json, to_json
@@ -31,6 +32,8 @@ from riot.riotfile import from_json, to_json
 PLANNED = Artifact({}, {"riot": to_json(exact_transform(exact_pair(3, 1)).planned())})
 SAMPLE = {"dataset": {"name": "sample", "kind": "sample"}}
 CROWDED = Artifact({}, {"riot": to_json(exact_transform(exact_pair(6, 2)).planned())})
+OWN = set(FABRICATIONS.names) - {*SHARED, "folder"}
+"""What a puzzle's artifact says of it."""
 TINY = FabricationParameters(size_mm=30.0, pin_mm=8.0)
 """Knuckles too large for the six pieces of the crowded one."""
 
@@ -121,7 +124,7 @@ def test_a_part_larger_than_the_bed_is_refused() -> None:
 
 
 def test_columns_are_in_the_table_with_meaning_and_unit(made: Artifact) -> None:
-    assert set(COLUMNS) <= set(FABRICATIONS.names) and set(made.document) == set(COLUMNS)
+    assert set(made.document) == OWN
     units = {name: FABRICATIONS.field(name).metadata[b"unit"] for name in ("size", "least_wall", "volume", "overlap")}
     assert units == {"size": b"mm", "least_wall": b"mm", "volume": b"mm3", "overlap": b"mm3"}
 
@@ -150,7 +153,7 @@ def test_parameters_are_the_librarys_and_are_checked() -> None:
 def test_the_report_tells_what_became_of_every_puzzle(made: Artifact) -> None:
     refused = run([CROWDED], [TINY, False, False], None)
     pair = {"i": 0, "j": 1, "name_i": "<a>", "name_j": "b", "class_i": "", "class_j": ""}
-    none = dict.fromkeys(COLUMNS)
+    none = dict.fromkeys(OWN)
     rows = [
         {**none, **pair, "rank": 1, "folder": "print/0001_a_b", **made.document},
         {**none, **pair, "rank": 2, "folder": "", **refused.document},
