@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from distributed import Client
 from small_runs import BAD_START, CLEAN, INTERRUPTED, command, digests, run_here
 from stand_in_slurm import Slurm
 
@@ -63,8 +66,9 @@ def test_an_interrupt_cancels_all_jobs_and_one_that_dies_is_replaced(
     slurm: Slurm, finished: Path, root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One run in two lives, so that its work is done once: it is interrupted, goes on, and loses all its workers."""
+    here = (*HERE, "cluster.wait=60")
     with subprocess.Popen(
-        command(tmp_path, root, *HERE, "cluster.jobs=2", "cluster.workers=1"),
+        command(tmp_path, root, *here, "cluster.jobs=2", "cluster.workers=1"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -88,7 +92,7 @@ def test_an_interrupt_cancels_all_jobs_and_one_that_dies_is_replaced(
             slurm.kill(slurm.submitted[-1])
 
     # One job of several workers: dask-jobqueue alone never sees that it has ended.
-    line = command(tmp_path, root, *HERE, "cluster.jobs=1", "cluster.workers=2")[3:]
+    line = command(tmp_path, root, *here, "cluster.jobs=1", "cluster.workers=2")[3:]
     outcome = run_pipeline(check_command(complete(line)), listen)
     assert outcome.code == CLEAN, slurm.said()
     assert digests(tmp_path) == digests(finished)
@@ -117,29 +121,45 @@ def test_an_sbatch_that_fails_is_no_start(slurm: Slurm, root: Path, tmp_path: Pa
     assert not slurm.submitted
 
 
+def submit(jobs: Jobs, cluster: Any) -> None:
+    """Have missing jobs submitted, and wait until they are."""
+
+    async def settled() -> None:
+        await cluster
+
+    jobs.submit()
+    cluster.sync(settled)
+
+
+def test_one_of_several_jobs_that_dies_is_replaced(slurm: Slurm) -> None:
+    with slurm_cluster(ClusterConfig("slurm", jobs=2, workers=1, interface="lo")) as cluster, Client(cluster) as client:
+        jobs = Jobs(cluster, 2, lambda _: None)
+        submit(jobs, cluster)
+        client.wait_for_workers(2, timeout=60)
+        submit(jobs, cluster)  # both are seen at work
+        first, second = slurm.submitted
+        slurm.kill(first)
+        while len(cluster.scheduler_info["workers"]) == 2:
+            client.sync(asyncio.sleep, 0.05)
+        submit(jobs, cluster)
+        assert len(slurm.submitted) == 3 and slurm.cancelled == [first] and slurm.processes(second)
+    assert set(slurm.cancelled) == set(slurm.submitted) and slurm.ended()
+
+
 def test_refused_jobs_are_told_once_and_submitted_again(slurm: Slurm) -> None:
     told: list[str] = []
     with slurm_cluster(ClusterConfig("slurm", jobs=2, workers=2, interface="lo")) as cluster:
-
-        async def settled() -> None:
-            await cluster
-
         jobs = Jobs(cluster, 2, told.append)
-
-        def submit() -> None:
-            jobs.submit()
-            cluster.sync(settled)
-
         slurm.refuse(LIMIT)
-        submit()
+        submit(jobs, cluster)
         assert jobs.refusals == [LIMIT] and told == []
-        submit()
-        submit()
+        submit(jobs, cluster)
+        submit(jobs, cluster)
         assert told == [f"Slurm refuses 2 of 2 jobs: {LIMIT}"] and not slurm.submitted
         slurm.refuse(None)
-        submit()
+        submit(jobs, cluster)
         assert len(slurm.submitted) == 2 and not jobs.refusals
-        submit()
+        submit(jobs, cluster)
         assert len(slurm.submitted) == 2  # those that wait are not submitted again
     assert set(slurm.cancelled) == set(slurm.submitted) and slurm.ended() and len(told) == 1
 

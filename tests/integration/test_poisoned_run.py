@@ -2,40 +2,35 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 from pathlib import Path
+from typing import Any
 
+import pyarrow.parquet as pq
 import pytest
 from small_runs import CLEAN, WITH_ERRORS, command, digests, draw, pictures, run, stages, table
 
 from riot.transform import Transform
 
 POISON = """
-import ctypes
+import ctypes, importlib, signal
+from itertools import product
 from PIL import Image
 
-opened = Image.open
+opened, load = Image.open, importlib.import_module
+crashing, hanging = {crashing}, {hanging}  # areas of the first trunk of either shape, by which the work knows them
 
-def crash(path, *arguments, **options):
+def open_or_crash(path, *arguments, **options):
     if "poison" in str(path):
         ctypes.string_at(0)
     return opened(path, *arguments, **options)
 
-Image.open = crash
-"""
-"""Run by every Python process that finds it as ``sitecustomize``."""
-
-POISONED_PAIR = """
-import ctypes, importlib
-from itertools import product
-
-load, deadly = importlib.import_module, {areas}
-
 def areas(stack):
     return [float(stack.areas[start]) for start in stack.starts[:-1]]
 
-def crash(name, *arguments):
+def load_poisoned(name, *arguments):
     module = load(name, *arguments)
     if name == "pipeline.work.qcrs" and not hasattr(module, "harmless"):
         module.harmless = module.run
@@ -44,69 +39,81 @@ def crash(name, *arguments):
             first, second = areas(inputs[0]), areas(inputs[-1])
             part = hasattr(spec, "pairs")
             pairs = spec.pairs() if part else product(range(len(first)), range(len(second)))
-            if any({{first[i], second[j]}} == deadly for i, j in pairs):
+            found = [{{first[i], second[j]}} for i, j in pairs]
+            if crashing in found:
                 ctypes.string_at(0)
+            if hanging in found:
+                if signal.getitimer(signal.ITIMER_REAL)[0] > 0:  # there is a limit: most of it is over
+                    signal.setitimer(signal.ITIMER_REAL, 0.1)
+                ctypes.PyDLL(None).usleep(200_000_000)  # in C, with the interpreter locked, as a kernel does
             return module.harmless(inputs, parameters, spec)
 
         module.run = run
     return module
 
-importlib.import_module = crash
+Image.open, importlib.import_module = open_or_crash, load_poisoned
 """
-"""The same for two shapes, which are known by the area of the first trunk of each."""
+"""Run by every Python process that finds it as ``sitecustomize``."""
+
+BATCHES = "batch=2"
+"""Small ones: every halving of a block that crashes starts two processes."""
 
 
 @pytest.fixture(scope="module")
 def clean(tmp_path_factory: pytest.TempPathFactory) -> Path:
     where = tmp_path_factory.mktemp("clean")
-    done = run(where, pictures(where / "pictures", range(7)), "cluster=sync")
+    done = run(where, pictures(where / "pictures", range(7)), BATCHES, "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     return where
 
 
-def poisoned(where: Path, root: Path, script: str) -> subprocess.CompletedProcess[str]:
-    """A run on a worker, whose processes run the script first, that ends with errors."""
-    (where / "poison").mkdir()
-    (where / "poison" / "sitecustomize.py").write_text(script)
+def test_what_is_deadly_is_lost_alone(clean: Path, tmp_path: Path) -> None:
+    """A picture and a pair that crash, and a pair that hangs; the pairs are of one class, which is never selected."""
+
+    def areas(*names: str) -> set[object]:
+        shapes = {row["shape"] for row in table(clean, "shapes") if row["name"] in names}
+        return {row["area"] for row in table(clean, "trunks") if row["trunk"] == 0 and row["shape"] in shapes}
+
+    root = pictures(tmp_path / "pictures", range(7))
+    draw(root / "kind1-poison-1.png", 77)
+    (tmp_path / "poison").mkdir()
+    poison = POISON.format(crashing=areas("kind1-1", "kind1-5"), hanging=areas("kind0-0", "kind0-4"))
+    (tmp_path / "poison" / "sitecustomize.py").write_text(poison)
     found = filter(None, [os.environ.get("PYTHONPATH")])
     done = subprocess.run(
-        command(where, root, "cluster=local", "cluster.workers=1"),
+        command(tmp_path, root, BATCHES, "cluster=local", "cluster.workers=1"),
         capture_output=True,
         text=True,
-        cwd=where,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(where / "poison"), *found])},
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path / "poison"), *found])},
         timeout=240,
     )
     assert done.returncode == WITH_ERRORS, done.stdout + done.stderr
-    return done
-
-
-def test_neighbours_of_a_deadly_picture_are_mined_as_if_it_were_not_there(clean: Path, tmp_path: Path) -> None:
-    root = pictures(tmp_path / "pictures", range(7))
-    draw(root / "kind1-poison-1.png", 77)
-    done = poisoned(tmp_path, root, POISON)
-    (error,) = table(tmp_path, "errors")
-    assert (error["item"], error["stage"], error["type"]) == ("kind1-poison-1", "ingest", "ProcessLost")
-    assert (error["reason"], error["attempts"]) == ("quarantined", 2) and "SIGSEGV" in str(error["message"])
+    errors = {row["item"]: row for row in table(tmp_path, "errors")}
+    told = ("stage", "type", "reason", "attempts")
+    assert {name: tuple(row[column] for column in told) for name, row in errors.items()} == {
+        "kind1-poison-1": ("ingest", "ProcessLost", "quarantined", 2),
+        "kind1-1 × kind1-5": ("qcrs", "ProcessLost", "quarantined", 2),
+        "kind0-0 × kind0-4": ("qcrs", "TimeLimit", "time-limit", 1),
+    }
+    words = {name: str(row["message"]) for name, row in errors.items()}
+    assert "SIGSEGV" in words["kind1-poison-1"] and "SIGSEGV" in words["kind1-1 × kind1-5"]
+    assert words["kind0-0 × kind0-4"].startswith("stopped after 600 s; raise cluster.limit")
     assert stages(tmp_path)["ingest"]["failed"] == 1 and "set aside" in done.stdout
+    assert all(name in done.stdout for name in errors)
     got, expected = digests(tmp_path), digests(clean)
     assert got.keys() == expected.keys()
-    assert {name for name in got if got[name] != expected[name]} == {"errors.parquet"}
-
-
-def test_a_deadly_pair_is_lost_alone(clean: Path, tmp_path: Path) -> None:
-    names = [row["name"] for row in table(clean, "shapes")]
-    p, q = names.index("kind1-1"), names.index("kind1-5")  # of one class, which is never selected
-    areas = {row["area"] for row in table(clean, "trunks") if row["trunk"] == 0 and row["shape"] in (p, q)}
-    done = poisoned(tmp_path, pictures(tmp_path / "pictures", range(7)), POISONED_PAIR.format(areas=areas))
-    (error,) = table(tmp_path, "errors")
-    assert (error["item"], error["stage"], error["type"]) == ("kind1-1 × kind1-5", "qcrs", "ProcessLost")
-    assert (error["reason"], error["attempts"]) == ("quarantined", 2) and "SIGSEGV" in str(error["message"])
-    assert "set aside: kind1-1 × kind1-5" in done.stdout
-    got, expected = digests(tmp_path), digests(clean)
     differ = {name for name in got if got[name] != expected[name]}
-    assert got.keys() == expected.keys() and len(differ) == 3  # one part of the table of pairs has another row
     assert {name for name in differ if not name.startswith("qcrs/")} == {"artifacts.json", "errors.parquet"}
+    rows, wanted = scores(tmp_path), scores(clean)
+    lost = [row for row in rows if row["n"] == -1]
+    assert len(lost) == 2 and all(math.isnan(row["score"]) for row in lost)
+    assert len([row for row in rows if row in wanted]) == len(rows) - len(lost) and len(rows) == len(wanted)
+
+
+def scores(where: Path) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pylist()
+    return rows
 
 
 def test_transforms_of_a_run_tell_their_history(clean: Path) -> None:
