@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations_with_replacement
 
 import numpy as np
 import pyarrow as pa
@@ -26,7 +28,8 @@ from riot.trunks import compared_trunks
 @dataclass(frozen=True)
 class Parameters:
     """Orders are compared on ``pairs`` random pairs, ``draws`` pairs of pairs of them; prices on all pairs of
-    ``shapes`` random shapes, ``repeats`` times in turn. ``sigma_area`` are the values, beside each variant's own."""
+    ``shapes`` random shapes, in blocks as in a run, ``repeats`` times in turn. ``sigma_area`` are the values, beside
+    each variant's own."""
 
     sigma_area: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5)
     pairs: int = 3000
@@ -69,17 +72,21 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     say(f"CRS of {len(pairs)} pairs …")
     cross = np.array([partners.cross(i, j) for i, j in pairs.tolist()])
     found: list[tuple[QcrsVariant, QcrsParameters, Agreement]] = []
-    blocks: dict[QcrsVariant, TrunkStack] = {}
+    batches: dict[QcrsVariant, list[TrunkStack]] = {}
     for variant, own in QCRS_VARIANTS.items():
         say(f"QCRS on the trunks of the {variant} variant …")
         trunks = [compared_trunks(shape, variant, settings.trunks) for shape in finished.shapes]
-        stacked, blocks[variant] = stack(trunks), stack([trunks[k] for k in drawn.tolist()])
+        stacked = stack(trunks)
+        size = math.ceil(len(drawn) / math.ceil(len(drawn) / settings.batch))
+        batches[variant] = [
+            stack([trunks[k] for k in drawn[at : at + size].tolist()]) for at in range(0, len(drawn), size)
+        ]
         for value in sorted({*parameters.sigma_area, own.sigma_area}):
             sigmas = replace(own, sigma_area=value)
             quick = score_pairs(stacked, stacked, pairs, sigmas).score
             found.append((variant, sigmas, agreement(quick, cross, parameters.draws, parameters.seed)))
     say(f"prices, {parameters.repeats} times …")
-    prices = _prices([(blocks[variant], sigmas) for variant, sigmas, _ in found], blocks["paper"], parameters.repeats)
+    prices = _prices([(batches[variant], sigmas) for variant, sigmas, _ in found], batches["paper"], parameters.repeats)
     choices = [
         Choice(variant, sigmas, sigmas == QCRS_VARIANTS[variant], agreed, price)
         for (variant, sigmas, agreed), price in zip(found, prices, strict=True)
@@ -87,18 +94,21 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     return _findings(finished, choices)
 
 
-def _prices(work: Sequence[tuple[TrunkStack, QcrsParameters]], reference: TrunkStack, repeats: int) -> list[float]:
+def _prices(
+    work: Sequence[tuple[Sequence[TrunkStack], QcrsParameters]], reference: Sequence[TrunkStack], repeats: int
+) -> list[float]:
     """CPU time of each piece of work as a multiple of the paper variant's just after it: the median of the repeats."""
     ratios = np.array([
-        [_seconds(block, sigmas) / _seconds(reference, QCRS_VARIANTS["paper"]) for block, sigmas in work]
+        [_seconds(batches, sigmas) / _seconds(reference, QCRS_VARIANTS["paper"]) for batches, sigmas in work]
         for _ in range(repeats)
     ])  # fmt: skip
     return [float(price) for price in np.median(ratios, axis=0)]
 
 
-def _seconds(block: TrunkStack, sigmas: QcrsParameters) -> float:
+def _seconds(batches: Sequence[TrunkStack], sigmas: QcrsParameters) -> float:
     begun = time.process_time()
-    score_block(block, block, sigmas)
+    for one, other in combinations_with_replacement(batches, 2):
+        score_block(one, other, sigmas)
     return time.process_time() - begun
 
 
