@@ -12,7 +12,7 @@ from typing import Any
 
 from dask_jobqueue import SLURMCluster
 from dask_jobqueue.slurm import SLURMJob
-from distributed import Status
+from distributed import SchedulerPlugin, Status
 
 from pipeline.config import ClusterConfig
 from pipeline.threads import ONE_THREAD
@@ -37,14 +37,26 @@ class Job(SLURMJob):  # type: ignore[misc]
         self.status = Status.closed  # Dask asks for it when it closes, and dask-jobqueue does not say it
 
 
+class _Arrivals(SchedulerPlugin):  # type: ignore[misc]
+    """Names of all workers that ever joined: one that came and went between two looks was there, too."""
+
+    def __init__(self) -> None:
+        self.names: set[str] = set()
+
+    def add_worker(self, scheduler: Any, worker: str) -> None:
+        """See `SchedulerPlugin.add_worker`."""
+        self.names.add(str(scheduler.workers[worker].name))
+
+
 class Jobs:
     """So many jobs, submitted again when they have ended or were refused."""
 
     def __init__(self, cluster: Any, count: int, tell: Callable[[str], None]) -> None:
         """``cluster``: a `slurm_cluster`; ``tell`` gets a line for every new reason of a refusal."""
         self._cluster, self._count, self._tell = cluster, count, tell
-        self._came: set[str] = set()
+        self._arrivals = _Arrivals()
         self._told: set[str] = set()
+        cluster.scheduler.add_plugin(self._arrivals)
 
     @property
     def refusals(self) -> list[str]:
@@ -59,23 +71,22 @@ class Jobs:
         for said in sorted(set(refused.values()) - self._told):
             self._tell(f"Slurm refuses {list(refused.values()).count(said)} of {self._count} jobs: {said}")
             self._told.add(said)
-        present = self._present()
-        ended = self._came - present
-        self._came = present
+        came = set(self._arrivals.names)  # before those who are here: one that joins meanwhile is not gone
+        here = {str(one.name) for one in list(self._cluster.scheduler.workers.values())}
+        of_job = self._workers()
+        ended = {job for job, names in of_job.items() if names & came and not names & here}
         gone = sorted(ended | refused.keys())
         if gone:
             self._cluster.sync(self._cluster.scale_down, gone)
+            self._arrivals.names -= set().union(
+                *(of_job.get(job, set()) for job in gone)
+            )  # the next job may have the same name
         self._cluster.scale(jobs=self._count)
 
-    def _present(self) -> set[str]:
-        """Names of the jobs that have a worker now."""
-        workers = {worker["name"] for worker in list(self._cluster.scheduler_info["workers"].values())}
-        # The workers of a job have its name, with a suffix for each if there are several.
-        return {
-            job
-            for job, spec in list(self._cluster.worker_spec.items())
-            if not workers.isdisjoint(f"{job}{suffix}" for suffix in spec.get("group", ("",)))
-        }
+    def _workers(self) -> dict[str, set[str]]:
+        """The names of each job's workers: that of the job, with a suffix for each if there are several."""
+        specs = list(self._cluster.worker_spec.items())
+        return {job: {f"{job}{suffix}" for suffix in spec.get("group", ("",))} for job, spec in specs}
 
 
 def slurm_cluster(config: ClusterConfig) -> Any:
