@@ -91,6 +91,16 @@ def test_the_same_study_gives_the_same_bytes(where: Path, made: dict[str, Path])
     assert {path.name: path.read_bytes() for path in made["timing"].iterdir()} == before
 
 
+def test_prices_change_no_byte_of_the_table(
+    where: Path, made: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = (made["sigmas"] / "table.parquet").read_bytes()
+    dear = iter(range(1, 100))
+    monkeypatch.setattr("pipeline.study.sigmas._seconds", lambda batches, sigmas: float(next(dear)) ** 2)
+    code, folder = study(where, "sigmas", *QUICK["sigmas"])
+    assert code == CLEAN and (folder / "table.parquet").read_bytes() == before
+
+
 def test_consistency_takes_qcrs_of_the_run_from_its_tables(where: Path, made: dict[str, Path]) -> None:
     scored = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pylist()
     quick = {(row["i"], row["j"]): row["score"] for row in scored}
