@@ -12,7 +12,7 @@ the edge, moved off it; its piece owns it, so that it bulges out of T as far as 
 
 from __future__ import annotations
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
 
 # ruff: isort: split
 import argparse
@@ -29,16 +29,16 @@ from rich.console import Console
 from rich.table import Table
 from scipy.optimize import minimize
 
-from riot.construct.conjugate import TOLERANCE, is_convex
-from riot.construct.given import given_pair
-from riot.construct.plan import Plan, TrunkPair, plan_on
+from riot.construction.conjugate import TOLERANCE, is_convex
+from riot.construction.given import given_pair
+from riot.construction.plan import Plan, TrunkPair, plan_on
 from riot.errors import RiotError
+from riot.geometry.polyline import is_simple
 from riot.kernels.change import placed_arcs
 from riot.kernels.conjugate import conjugated
-from riot.parameters import RefineParameters
-from riot.polyline import is_simple
-from riot.shape import FloatArray, IntArray
-from riot.transform import Transform
+from riot.parameters.method import RefineParameters
+from riot.transform.transform import Transform
+from riot.types import FloatArray, IntArray
 
 FORMAT = 1
 """Version of the JSON."""

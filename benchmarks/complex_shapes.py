@@ -9,7 +9,7 @@ QCRS, by CRS, on refined trunks. Each way changes some parameters of the search 
 
 from __future__ import annotations
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
 
 # ruff: isort: split
 import argparse
@@ -28,12 +28,13 @@ from rich.table import Table
 
 from pipeline.study.partners import Clock, Partners
 from riot.errors import RiotError
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
-from riot.parameters import RefineParameters, TrunkParameters
-from riot.shape import FloatArray, Shape
-from riot.silhouette import read
-from riot.transform import Transform
-from riot.vertices import convex_points
+from riot.parameters.method import RefineParameters, TrunkParameters
+from riot.scores.vertices import convex_points
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 FORMAT = 1
 """Version of the JSON."""

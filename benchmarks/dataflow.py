@@ -20,15 +20,15 @@ from inputs import Size
 from measure import parts
 from table import Row, row
 
-from pipeline.cluster import Executor, Here, open_cluster
-from pipeline.config import ClusterConfig, Config
-from pipeline.datasets import Collection, DatasetConfig
-from pipeline.execute import Run
-from pipeline.item import Item
-from pipeline.plan import Plan, make_plan
-from pipeline.store import Store
-from pipeline.work.trunk_arrays import unpack_trunks
-from riot.quick import BlockScores, TrunkStack, score_block, stack
+from pipeline.config.schema import ClusterConfig, Config
+from pipeline.datasets.collection import Collection, DatasetConfig
+from pipeline.datasets.item import Item
+from pipeline.plan.plan import Plan, make_plan
+from pipeline.runtime.cluster import Executor, Here, open_cluster
+from pipeline.runtime.execute import Run
+from pipeline.stages.trunk_arrays import unpack_trunks
+from pipeline.store.store import Store
+from riot.scores.qcrs import BlockScores, TrunkStack, score_block, stack
 
 OVERHEAD = 1.1
 """The stage may cost so many times the bare loop."""

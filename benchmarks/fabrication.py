@@ -12,7 +12,7 @@ and no error. Seconds are CPU time of one core for design, solids and certificat
 
 from __future__ import annotations
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
 
 # ruff: isort: split
 import argparse
@@ -34,11 +34,11 @@ from rich.console import Console
 from rich.table import Table
 
 from riot.fabricate import Built, FabricationError, FabricationParameters, build, fix
-from riot.fabricate.files import write_puzzle
-from riot.fabricate.flat import parts_of, write_flat_files
-from riot.groundtruth import dudeney, exact_pair, exact_transform
+from riot.fabricate.export.flat import parts_of, write_flat_files
+from riot.fabricate.export.solids import write_puzzle
+from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.kernels.warm import warm_all
-from riot.transform import Transform
+from riot.transform.transform import Transform
 
 AGREED = 1e-6
 """Greatest relative difference of what is read back."""

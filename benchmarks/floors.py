@@ -13,14 +13,14 @@ import numpy as np
 from measure import least_seconds
 
 from riot.kernels.options import kernel
-from riot.parameters import QcrsParameters
-from riot.quick import BlockScores, TrunkStack
-from riot.shape import FloatArray, IntArray
-from riot.trunks import Trunks
+from riot.parameters.method import QcrsParameters
+from riot.scores.qcrs import BlockScores, TrunkStack
+from riot.scores.trunks import Trunks
+from riot.types import FloatArray, IntArray
 from riot.units import D_C
 
 CORNER_BYTES = 28
-"""Of a trunk's corner in `riot.trunks.Trunks`: vertex, edge, two angles."""
+"""Of a trunk's corner in `riot.scores.trunks.Trunks`: vertex, edge, two angles."""
 
 TRUNK_BYTES = 16
 """Of a trunk beside its corners: offset and area."""

@@ -10,9 +10,10 @@ import numpy as np
 
 from pipeline.study.waves import deformed
 from riot.errors import RiotError
-from riot.shape import FloatArray, Shape
-from riot.silhouette import polygon_shape, read
-from riot.trunks import Trunks, quick_trunks
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import polygon_shape, read
+from riot.scores.trunks import Trunks, quick_trunks
+from riot.types import FloatArray
 
 SEED = 2018
 AMPLITUDE = 0.03

@@ -9,7 +9,7 @@ runs, evenly chosen, and the costs are estimates, marked so.
 
 from __future__ import annotations
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
 
 # ruff: isort: split
 import argparse
@@ -27,10 +27,10 @@ import numpy as np
 from grown import Member, grown_trunks, members
 from inputs import pictures
 
-from riot.index import TrunkIndex, best_partners
 from riot.kernels.warm import warm_all
-from riot.quick import TrunkStack, score_block, stack
-from riot.trunks import Trunks
+from riot.scores.index import TrunkIndex, best_partners
+from riot.scores.qcrs import TrunkStack, score_block, stack
+from riot.scores.trunks import Trunks
 
 FORMAT = 1
 """Version of the JSON."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from riot.groundtruth import exact_pair
+from riot.groundtruth.pairs import exact_pair
 
 SUFFIXES = {".png", ".gif", ".bmp", ".tif", ".tiff", ".jpg", ".jpeg", ".svg"}
 PIXELS = 256

@@ -12,7 +12,7 @@ for all ways alike; a way's quantiles are over the pairs that none has refused.
 
 from __future__ import annotations
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
 
 # ruff: isort: split
 import argparse
@@ -31,21 +31,21 @@ from rich.console import Console
 from rich.table import Table
 from table import WIDTH
 
-from riot.construct.choose import construct_plans, refine_best
-from riot.construct.given import given_pair
-from riot.construct.laplacian import construct_laplacian
-from riot.construct.laplacian.residual import residuals
-from riot.construct.make import construct_plan
-from riot.construct.plan import Plan, TrunkPair, plan_pair
-from riot.cross import best_trunk_pairs
+from riot.construction.choose import construct_plans, refine_best
+from riot.construction.given import given_pair
+from riot.construction.laplacian import construct_laplacian
+from riot.construction.laplacian.residual import residuals
+from riot.construction.make import construct_plan
+from riot.construction.plan import Plan, TrunkPair, plan_pair
 from riot.errors import RiotError
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
-from riot.parameters import ConstructParameters, RefineParameters
-from riot.quick import score_block, stack
-from riot.shape import Shape
-from riot.silhouette import read
-from riot.transform import Transform
-from riot.trunks import full_trunks, quick_trunks
+from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.scores.crs import best_trunk_pairs
+from riot.scores.qcrs import score_block, stack
+from riot.scores.trunks import full_trunks, quick_trunks
+from riot.transform.transform import Transform
 
 FORMAT = 1
 """Version of the JSON."""

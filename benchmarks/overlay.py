@@ -11,11 +11,12 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
+from riot.geometry.polyline import swept_area
+from riot.geometry.shape import Shape
 from riot.kernels.coverage import swung_arcs
-from riot.parameters import CrsParameters
-from riot.polyline import swept_area
-from riot.shape import FloatArray, IntArray, Shape
-from riot.trunks import Trunks
+from riot.parameters.method import CrsParameters
+from riot.scores.trunks import Trunks
+from riot.types import FloatArray, IntArray
 from riot.units import D_C
 
 CHUNK = 64
@@ -45,7 +46,7 @@ def overlay_best_trunk_pairs(
     parameters: CrsParameters | None = None,
     count: int = 16,
 ) -> list[OverlayScore]:
-    """The ``count`` trunk pairs of highest CRS, best first, as `riot.cross.best_trunk_pairs` but with exact areas.
+    """The ``count`` trunk pairs of highest CRS, best first, as `riot.scores.crs.best_trunk_pairs` but with exact areas.
 
     Best-first over every (T, T', shift) with the bound of `riot.kernels.candidates`, without pruning or slack.
     """

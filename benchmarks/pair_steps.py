@@ -16,14 +16,14 @@ from overlay import overlay_best_trunk_pairs
 from shape_steps import Shapes
 from table import Row, row
 
-from riot.construct.choose import construct_plans, refine_scored
-from riot.cross import AREA_SLACK, CrossScore, best_trunk_pairs
+from riot.construction.choose import construct_plans, refine_scored
+from riot.geometry.shape import Shape
 from riot.kernels.coverage import area_terms
-from riot.parameters import ConstructParameters, CrsParameters, RefineParameters
-from riot.quick import BlockScores, TrunkStack, brute_force, score_block, stack
-from riot.shape import Shape
-from riot.transform import Transform
-from riot.trunks import Trunks
+from riot.parameters.method import ConstructParameters, CrsParameters, RefineParameters
+from riot.scores.crs import AREA_SLACK, CrossScore, best_trunk_pairs
+from riot.scores.qcrs import BlockScores, TrunkStack, brute_force, score_block, stack
+from riot.scores.trunks import Trunks
+from riot.transform.transform import Transform
 
 AGREE = 1e-12
 """Greatest difference between a pruned and a brute-force QCRS."""

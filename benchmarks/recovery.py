@@ -3,14 +3,14 @@
     python benchmarks/recovery.py --pairs 20                     exact pairs among one another
     python benchmarks/recovery.py --root DIR --pairs 100         the same among the pictures below DIR
 
-Exact reversible pairs (`riot.groundtruth`), of stars and binary trees, with straight and curved arcs, are drawn as
-pictures. `pipeline.study.recovery` says what becomes of them; `python -m pipeline.study groundtruth` hides them among
-the shapes of a finished run instead.
+Exact reversible pairs (`riot.groundtruth.pairs`), of stars and binary trees, with straight and curved arcs, are drawn
+as pictures. `pipeline.study.recovery` says what becomes of them; `python -m pipeline.study groundtruth` hides them
+among the shapes of a finished run instead.
 """
 
 from __future__ import annotations
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
 
 # ruff: isort: split
 import argparse
@@ -31,11 +31,11 @@ from pipeline.study.hidden import Hidden, hide
 from pipeline.study.partners import Clock, Partners, changed
 from pipeline.study.recovery import QUANTILES, WAYS, Closeness, Figure, Found, Search, figures, quantiles
 from riot.errors import RiotError
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
-from riot.parameters import QCRS_VARIANTS
-from riot.shape import Shape
-from riot.silhouette import read
-from riot.transform import Transform
+from riot.parameters.method import QCRS_VARIANTS
+from riot.transform.transform import Transform
 
 FORMAT = 1
 """Version of the JSON."""

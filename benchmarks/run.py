@@ -12,7 +12,7 @@ hardly do. Floors are counts over rates that small probes measure in the same ru
 
 from __future__ import annotations
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
 
 # ruff: isort: split
 import argparse

@@ -13,11 +13,11 @@ from measure import Timed, each, parts
 from PIL import Image
 from table import Row, row
 
-from riot.parameters import ReversibilityParameters
-from riot.reversibility import concave_points, reversibility
-from riot.shape import Shape
-from riot.silhouette import read
-from riot.trunks import Trunks, full_trunks, quick_trunks
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import read
+from riot.parameters.method import ReversibilityParameters
+from riot.scores.reversibility import concave_points, reversibility
+from riot.scores.trunks import Trunks, full_trunks, quick_trunks
 from riot.units import L_C
 
 PROFILED = 12

@@ -13,7 +13,7 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 from pipeline.study.registry import STUDIES
-from pipeline.tables import SCHEMAS, SWEEP
+from pipeline.tables.schemas import SCHEMAS, SWEEP
 from riot import Shape, construct
 from riot.draw.animate import animate_svg
 from riot.draw.strip import draw_strip

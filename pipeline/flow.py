@@ -12,16 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.config import Config
-from pipeline.datasets import Collection, collect
+from pipeline.config.schema import Config
+from pipeline.datasets.collection import Collection, collect
 from pipeline.errors import PlaceError, StartError, StopError
-from pipeline.events import Listener, Note
-from pipeline.execute import Run, open_run
-from pipeline.exits import CLEAN, WITH_ERRORS
-from pipeline.outputs import swept
-from pipeline.places.base import Place
-from pipeline.places.choose import open_files
-from pipeline.plan import (
+from pipeline.exit_codes import CLEAN, WITH_ERRORS
+from pipeline.plan.plan import (
     Pair,
     Plan,
     WorkItem,
@@ -39,11 +34,16 @@ from pipeline.plan import (
     plan_select,
     plan_shortlist,
 )
-from pipeline.quarantine import bring_scores, bring_shapes
-from pipeline.record import GALLERY, RECORD, REPORT, holds, outcome_digest, write_record
-from pipeline.results import Results, certified, least_deformed
-from pipeline.room import writing_to
-from riot.shape import FloatArray
+from pipeline.runtime.events import Listener, Note
+from pipeline.runtime.execute import Run, open_run
+from pipeline.runtime.quarantine import bring_scores, bring_shapes
+from pipeline.store.filesystem.base import Place
+from pipeline.store.filesystem.choose import open_files
+from pipeline.store.storage_errors import writing_to
+from pipeline.tables.outputs import swept
+from pipeline.tables.record import GALLERY, RECORD, REPORT, holds, outcome_digest, write_record
+from pipeline.tables.results import Results, certified, least_deformed
+from riot.types import FloatArray
 
 
 @dataclass(frozen=True)
@@ -82,9 +82,9 @@ def run_pipeline(config: Config, listen: Listener) -> Outcome:
 
     A store that cannot be written will do for a run that finds everything in it.
 
-    Raises `pipeline.datasets.DatasetError` when there is no collection, `StartError` when a folder cannot be written or
-    the cluster cannot be reached, `StopError` when the store or the outputs take no more, or the machine fails while
-    the tables are written.
+    Raises `pipeline.datasets.collection.DatasetError` when there is no collection, `StartError` when a folder cannot
+    be written or the cluster cannot be reached, `StopError` when the store or the outputs take no more, or the
+    machine fails while the tables are written.
     """
     collection = collect(config.dataset)
     check_writable(run_folder(config), "outputs")
@@ -122,7 +122,7 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
     if nothing_new and holds(folder, digest):
         return Outcome(code, folder, folder / REPORT, False, time.perf_counter() - clock, results)
 
-    from pipeline.write import write_tables  # here: a run that finds everything as it was writes nothing
+    from pipeline.tables.write import write_tables  # here: a run that finds everything as it was writes nothing
 
     listen(Note("writing tables …"))
     with writing_to(folder):

@@ -18,8 +18,8 @@ from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig
 from rich.console import Console
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
-from pipeline.command import (
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
+from pipeline.config.command_line import (
     CONF,
     HYDRA_BASE,
     check_command,
@@ -30,10 +30,10 @@ from pipeline.command import (
     sweep_point,
     sweep_values,
 )
-from pipeline.config import Config
-from pipeline.datasets import DatasetError
+from pipeline.config.schema import Config
+from pipeline.datasets.collection import DatasetError
 from pipeline.errors import ConfigError, StartError
-from pipeline.exits import BAD_START, CLEAN, FAILED, INTERRUPTED
+from pipeline.exit_codes import BAD_START, CLEAN, FAILED, INTERRUPTED
 from riot.errors import RiotError
 
 # What only some commands need (the stages, tables, reports) is imported where it is used: a start should be quick.
@@ -119,9 +119,9 @@ def _job(composed: DictConfig, point: str, console: Console, complaints: Console
 def _run(config: Config, console: Console, complaints: Console) -> _Ended:
     if config.plan or config.explain:
         return _Ended(_show(config, console))
+    from pipeline.cli.progress import show_progress
+    from pipeline.cli.summary import show_outcome
     from pipeline.flow import run_pipeline
-    from pipeline.progress import show_progress
-    from pipeline.summary import show_outcome
 
     try:
         with show_progress(console) as listen:
@@ -135,7 +135,7 @@ def _run(config: Config, console: Console, complaints: Console) -> _Ended:
 def _tell_sweep(
     arguments: Sequence[str], outputs: Path, ended: Sequence[tuple[Sequence[str], _Ended]], console: Console
 ) -> None:
-    from pipeline.sweep import Job, write_sweep
+    from pipeline.tables.sweep import Job, write_sweep
 
     jobs = [Job(sweep_values(arguments, chosen), of.code, of.folder, of.message) for chosen, of in ended if chosen]
     if not (jobs and jobs[0].values):
@@ -145,8 +145,8 @@ def _tell_sweep(
 
 
 def _show(config: Config, console: Console) -> int:
-    from pipeline.explain import forecast, show_explanation, show_plan
-    from pipeline.store import Store
+    from pipeline.plan.explain import forecast, show_explanation, show_plan
+    from pipeline.store.store import Store
 
     store = Store(config.store)
     found = forecast(config, store)

@@ -39,3 +39,34 @@ class ConstructionError(RiotError, ValueError):
 
 class FormatError(RiotError, ValueError):
     """A file that claims to be ours and is not: another format, another version, or damaged."""
+
+
+class FabricationError(RiotError, ValueError):
+    """A puzzle that cannot be made as asked.
+
+    ``reason`` is one short word for tables; ``parameter`` names the parameter that would mend it, empty if none
+    would; ``value`` is the least (or greatest) value of it that might, NaN if that is not known.
+    """
+
+    def __init__(self, reason: str, message: str, parameter: str = "", value: float = float("nan")) -> None:
+        super().__init__(message)
+        self.reason = reason
+        self.parameter = parameter
+        self.value = value
+
+    def __reduce__(self) -> tuple[type[FabricationError], tuple[str, str, str, float]]:
+        return type(self), (self.reason, str(self), self.parameter, self.value)
+
+
+class ModelError(RiotError, ValueError):
+    """A solid that cannot be read, or not be cut as asked.
+
+    ``reason`` is one short word for tables; the message says what is wrong, where, and what to do.
+    """
+
+    def __init__(self, reason: str, message: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+    def __reduce__(self) -> tuple[type[ModelError], tuple[str, str]]:
+        return type(self), (self.reason, str(self))

@@ -1,13 +1,13 @@
 """What ``riot`` offers."""
 
-from riot.construct import Pins, alternatives, construct, load_pins
-from riot.cross import CrossScore, crs
+from riot.construction import Pins, alternatives, construct, load_pins
 from riot.errors import ConstructionError, FormatError, RiotError, SilhouetteError, TrunkError
-from riot.quick import QuickScore, qcrs
-from riot.reversibility import Reversibility, reversibility
-from riot.shape import Shape
-from riot.transform import Transform
-from riot.trunks import Trunks, trunks
+from riot.geometry.shape import Shape
+from riot.scores.crs import CrossScore, crs
+from riot.scores.qcrs import QuickScore, qcrs
+from riot.scores.reversibility import Reversibility, reversibility
+from riot.scores.trunks import Trunks, trunks
+from riot.transform.transform import Transform
 
 __all__ = [
     "ConstructionError",

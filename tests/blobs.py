@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.groundtruth import ExactPair
-from riot.parameters import ShapeParameters
-from riot.shape import FloatArray, Shape
+from riot.geometry.shape import Shape
+from riot.groundtruth.pairs import ExactPair
+from riot.parameters.method import ShapeParameters
+from riot.types import FloatArray
 
 
 def blob_polygon(seed: int, waves: int = 5, depth: float = 0.35, count: int = 180) -> FloatArray:

@@ -10,9 +10,9 @@ import numpy as np
 import shapely
 from PIL import Image
 
-from pipeline.item import Item
-from riot.shape import Shape
-from riot.transform import Transform
+from pipeline.datasets.item import Item
+from riot.geometry.shape import Shape
+from riot.transform.transform import Transform
 
 SIZE = 160
 

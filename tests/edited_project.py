@@ -12,13 +12,11 @@ import numpy as np
 import pytest
 from integration.small_runs import draw, pictures
 
-from pipeline import closure, tables
-from pipeline.artifact import Artifact
-from pipeline.config import Config
-from pipeline.datasets import DatasetConfig, collect
-from pipeline.explain import StageForecast, forecast
-from pipeline.outputs import from_rows, write_table
-from pipeline.plan import (
+from pipeline.config.schema import Config
+from pipeline.datasets.collection import DatasetConfig, collect
+from pipeline.plan import code_digest as closure
+from pipeline.plan.explain import StageForecast, forecast
+from pipeline.plan.plan import (
     WorkItem,
     make_plan,
     plan_construct,
@@ -29,9 +27,12 @@ from pipeline.plan import (
     plan_select,
     plan_shortlist,
 )
-from pipeline.record import ARTIFACTS
-from pipeline.sources import AT_START, Source
-from pipeline.store import State, Store
+from pipeline.plan.sources import AT_START, Source
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import State, Store
+from pipeline.tables import schemas as tables
+from pipeline.tables.outputs import from_rows, write_table
+from pipeline.tables.record import ARTIFACTS
 
 PAIRS = [(0, 3), (2, 5), (4, 6)]
 """Pairs that somebody selected: which they are is known only when a run goes on, and an edit may leave them."""
@@ -194,18 +195,20 @@ def _library(name: str, again: Iterable[str]) -> Edit:
 
 
 CODE = [
-    _code("riot.trunks", '"""', '"""Other words. ', ()),
-    _code("riot.polyline", "def signed_area(", "# a comment\ndef signed_area(", ()),
-    _code("pipeline.store", "def put(", "def new(self) -> None: ...\n\n    def put(", ()),
-    _code("pipeline.cluster", "MAX_ATTEMPTS = ", "MAX_ATTEMPTS = 1 + ", ()),
-    _code("riot.parameters", "tau_s: float = ", "tau_s: float = 2 * ", ()),
+    _code("riot.scores.trunks", '"""', '"""Other words. ', ()),
+    _code("riot.geometry.polyline", "def signed_area(", "# a comment\ndef signed_area(", ()),
+    _code("pipeline.store.store", "def put(", "def new(self) -> None: ...\n\n    def put(", ()),
+    _code("pipeline.runtime.cluster", "MAX_ATTEMPTS = ", "MAX_ATTEMPTS = 1 + ", ()),
+    _code("riot.parameters.method", "tau_s: float = ", "tau_s: float = 2 * ", ()),
     _code("riot.units", "L_C = 2.0", "L_C = 2.1", ALL),
-    _code("riot.polyline", "def signed_area(", "def other_area(", ALL),
-    _code("riot.trunks", "def quick_trunks(", "LIMIT = 1\n\n\ndef quick_trunks(", ALL - {"ingest", "reversibility"}),
-    _code("riot.cross", "AREA_SLACK = 2e-3", "AREA_SLACK = 3e-3", CROSS_ON),
-    _code("pipeline.work.qcrs", "def run(", "EDITED = 1\n\n\ndef run(", TRUNKS_ON),
-    _code("pipeline.work.motion", "def run(", "EDITED = 1\n\n\ndef run(", {"motion"}),
-    _code("pipeline.work.construct", "def run(", "EDITED = 1\n\n\ndef run(", {"construct", "motion"}),
+    _code("riot.geometry.polyline", "def signed_area(", "def other_area(", ALL),
+    _code(
+        "riot.scores.trunks", "def quick_trunks(", "LIMIT = 1\n\n\ndef quick_trunks(", ALL - {"ingest", "reversibility"}
+    ),
+    _code("riot.scores.crs", "AREA_SLACK = 2e-3", "AREA_SLACK = 3e-3", CROSS_ON),
+    _code("pipeline.stages.qcrs", "def run(", "EDITED = 1\n\n\ndef run(", TRUNKS_ON),
+    _code("pipeline.stages.motion", "def run(", "EDITED = 1\n\n\ndef run(", {"motion"}),
+    _code("pipeline.stages.construct", "def run(", "EDITED = 1\n\n\ndef run(", {"construct", "motion"}),
 ]
 
 PARAMETERS = [

@@ -9,12 +9,12 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from riot.construct.mesh import Mesh
-from riot.construct.partition import NUDGE
-from riot.construct.tree import COINCIDENT, CORNER_SHARE
+from riot.construction.mesh import Mesh
+from riot.construction.partition import NUDGE
+from riot.construction.tree import COINCIDENT, CORNER_SHARE
+from riot.geometry.polyline import simplify_open
 from riot.kernels.options import kernel
-from riot.polyline import simplify_open
-from riot.shape import BoolArray, FloatArray, IntArray
+from riot.types import BoolArray, FloatArray, IntArray
 
 Node = tuple[int, ...]
 """A mesh edge (two points, smaller first) that the boundary crosses, a triangle (three) where three cells meet, or a

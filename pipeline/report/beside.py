@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pipeline.comparison import Compared, Comparison, Made
+from pipeline.report.comparison import Compared, Comparison, Made
 from pipeline.report.markup import SHOWN_PAIRS, linked, number, seconds, section, small, table
 from riot.draw.svg import escape
 

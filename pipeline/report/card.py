@@ -12,7 +12,7 @@ from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, i
 from riot.draw.scene import Box, Mark, Part, Scene, around, extent
 from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import definitions, escape, fragment, naming
-from riot.transform import Transform
+from riot.transform.transform import Transform
 
 PANEL_PENS, CHAIN_PENS, THUMB_PENS = 210.0, 420.0, 96.0
 """Usual widths of the pictures on the page, in pixels: dots are sized for them."""

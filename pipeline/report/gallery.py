@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from pipeline.remarks import several
 from pipeline.report.markup import document, number
 from pipeline.report.rows import TransformRow
 from pipeline.report.thumb import HEIGHT, WIDTH
+from pipeline.tables.messages import several
 from riot.draw.svg import escape
 
 INDEX, STYLE, SCRIPT = "index.html", "style.css", "gallery.js"

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.report.markup import count, number
 from riot.draw.svg import escape
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 CELLS = 10_000
 """Resolution of a distribution over [0, 1]; quantiles are exact to one cell."""

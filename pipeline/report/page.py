@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from pipeline.record import GALLERY, STUDY
-from pipeline.remarks import remarks, several
 from pipeline.report.beside import beside
 from pipeline.report.card import Card
 from pipeline.report.gallery import INDEX
@@ -27,6 +25,8 @@ from pipeline.report.markup import (
 from pipeline.report.puzzles import puzzles
 from pipeline.report.rows import Run, TransformRow
 from pipeline.report.style import style_sheet
+from pipeline.tables.messages import remarks, several
+from pipeline.tables.record import GALLERY, STUDY
 from riot.draw.svg import escape
 
 SHOWN_ERRORS = 200

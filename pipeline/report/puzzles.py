@@ -15,7 +15,7 @@ HEAD = (
 
 
 def puzzles(rows: Sequence[Mapping[str, Any]], links: Mapping[int, str]) -> str:
-    """The section of the rows of `pipeline.tables.FABRICATIONS`; ``links`` lead to ranks."""
+    """The section of the rows of `pipeline.tables.schemas.FABRICATIONS`; ``links`` lead to ranks."""
     note = (
         "Printable puzzles: every part is verified to be one closed solid, pieces to keep their gap at every moment of "
         "the planned motion, solids not to overlap where they are cut with each other. Clearances come from makers’ "

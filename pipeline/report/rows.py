@@ -13,12 +13,12 @@ import numpy as np
 import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 
-from pipeline import tables
-from pipeline.comparison import Comparison, read_comparison
+from pipeline.report.comparison import Comparison, read_comparison
 from pipeline.report.histogram import Distribution, distribution
-from pipeline.topk import Search, read_search
+from pipeline.tables import schemas as tables
+from pipeline.tables.partner_search import Search, read_search
 from riot.errors import RiotError
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 Row = dict[str, Any]
 
@@ -29,7 +29,7 @@ class ReportError(RiotError, FileNotFoundError):
 
 @dataclass(frozen=True)
 class TransformRow:
-    """One row of `transforms`; see `pipeline.tables.TRANSFORMS` for the meaning, nan = null."""
+    """One row of `transforms`; see `pipeline.tables.schemas.TRANSFORMS` for the meaning, nan = null."""
 
     rank: int
     name_p: str

@@ -10,8 +10,8 @@ from pipeline.report.gallery import INDEX, SCRIPT, STYLE, page_name
 from pipeline.report.markup import document, facts, hidden_definitions, number, section
 from pipeline.report.rows import TransformRow
 from riot.draw.svg import escape
-from riot.history import History, told
-from riot.transform import Transform
+from riot.transform.history import History, told
+from riot.transform.transform import Transform
 
 
 def single(
@@ -21,7 +21,7 @@ def single(
     before: TransformRow | None,
     after: TransformRow | None,
 ) -> str:
-    """The page of one card; ``puzzle`` is its row of `pipeline.tables.FABRICATIONS`, the others lead on from here."""
+    """The page of one card; ``puzzle`` is its row of the table `FABRICATIONS`, the others lead on from here."""
     row = shown.row
     body = (
         f"{hidden_definitions([shown.definitions])}"

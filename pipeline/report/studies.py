@@ -7,11 +7,11 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pipeline.record import STUDY
 from pipeline.report.markup import document
 from pipeline.report.style import style_sheet
-from pipeline.store import write_atomically
-from pipeline.studies import LEAD, MEANINGS, PAGE, TABLE
+from pipeline.store.store import write_atomically
+from pipeline.study.names import LEAD, MEANINGS, PAGE, TABLE
+from pipeline.tables.record import STUDY
 from riot.draw.svg import escape
 
 INDEX = "index.html"

@@ -9,7 +9,7 @@ from riot.draw.panels import dissection_marks, sketch
 from riot.draw.scene import Part, Scene, extent, moved
 from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import UNITS, definitions, naming, painted
-from riot.transform import Transform
+from riot.transform.transform import Transform
 
 WIDTH, HEIGHT = 264, 132
 """Its natural size, in pixels."""

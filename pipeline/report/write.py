@@ -6,8 +6,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.outputs import new_place, replace_folder
-from pipeline.record import GALLERY
 from pipeline.report.card import Card, card
 from pipeline.report.gallery import INDEX, SCRIPT, STYLE, index, page_name, thumb_name
 from pipeline.report.gallery_style import gallery_style
@@ -17,12 +15,14 @@ from pipeline.report.script import SCRIPT_TEXT
 from pipeline.report.single import single
 from pipeline.report.studies import write_contents
 from pipeline.report.thumb import thumb
-from pipeline.skins import read_skins
-from pipeline.store import write_atomically
+from pipeline.store.store import write_atomically
+from pipeline.tables.outputs import new_place, replace_folder
+from pipeline.tables.record import GALLERY
+from pipeline.tables.textures import read_skins
 from riot.draw.skin import Skins
 from riot.errors import FormatError
-from riot.riotfile import from_json
-from riot.transform import Transform
+from riot.transform.riot_file import from_json
+from riot.transform.transform import Transform
 
 REPORT = "report.html"
 

@@ -14,17 +14,17 @@ from typing import Any
 from omegaconf import OmegaConf
 from rich.console import Console
 
-import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
-from pipeline.command import check_command, complete
-from pipeline.config import build
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
+from pipeline.config.command_line import check_command, complete
+from pipeline.config.schema import build
 from pipeline.errors import ConfigError
-from pipeline.exits import BAD_START, CLEAN
+from pipeline.exit_codes import BAD_START, CLEAN
 from pipeline.flow import run_folder
-from pipeline.record import STUDY
 from pipeline.report.studies import write_contents
 from pipeline.study.findings import write_findings
 from pipeline.study.finished import Finished
 from pipeline.study.registry import STUDIES
+from pipeline.tables.record import STUDY
 from riot.errors import RiotError
 from riot.kernels.warm import warm_all
 

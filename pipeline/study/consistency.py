@@ -14,11 +14,11 @@ from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.partners import Partners
 from pipeline.study.statistics import Agreement, agreement, calibration, precision
-from pipeline.tables import column
-from riot.parameters import QCRS_VARIANTS, QcrsVariant
-from riot.quick import score_pairs, stack
-from riot.shape import FloatArray, IntArray
-from riot.trunks import compared_trunks
+from pipeline.tables.schemas import column
+from riot.parameters.method import QCRS_VARIANTS, QcrsVariant
+from riot.scores.qcrs import score_pairs, stack
+from riot.scores.trunks import compared_trunks
+from riot.types import FloatArray, IntArray
 
 PAPER = 0.774
 """Share of 1,000 random pairs of pairs that the paper found ordered alike."""

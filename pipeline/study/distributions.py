@@ -14,8 +14,8 @@ from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.statistics import quantiles
-from pipeline.tables import column
-from riot.shape import FloatArray, IntArray
+from pipeline.tables.schemas import column
+from riot.types import FloatArray, IntArray
 
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
 BANDS = (0.1, 0.5, 0.8, 0.9)

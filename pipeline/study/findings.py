@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 
 from pipeline.report.markup import document, section, table
 from pipeline.report.style import style_sheet
-from pipeline.store import write_atomically
-from pipeline.studies import LEAD, PAGE, TABLE
-from pipeline.tables import schema
+from pipeline.store.store import write_atomically
+from pipeline.study.names import LEAD, PAGE, TABLE
+from pipeline.tables.schemas import schema
 from riot.draw.svg import escape
 
 DOTS_PER_INCH = 160

@@ -11,12 +11,13 @@ import pyarrow as pa
 import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 
-from pipeline import tables
-from pipeline.config import Config
+from pipeline.config.schema import Config
 from pipeline.errors import StartError
-from pipeline.match import Mined, open_mined
-from pipeline.work.items import count_shapes, unpack_shape
-from riot.shape import FloatArray, IntArray, Shape
+from pipeline.match.search import Mined, open_mined
+from pipeline.stages.items import count_shapes, unpack_shape
+from pipeline.tables import schemas as tables
+from riot.geometry.shape import Shape
+from riot.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,7 @@ class Finished:
 
     @classmethod
     def open(cls, folder: Path) -> Finished:
-        """The run in ``folder`` and the store that it names; raises `StartError` as `pipeline.match.open_mined`."""
+        """The run in ``folder`` and the store that it names; raises `StartError` as `open_mined`."""
         return cls(open_mined(folder))
 
     @property

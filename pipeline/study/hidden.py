@@ -13,16 +13,17 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from pipeline.study.waves import deformed
-from riot import groundtruth
-from riot.groundtruth import ExactPair, Topology, exact_pair
-from riot.parameters import TrunkParameters
-from riot.polyline import arc_length, edge_lengths
-from riot.reversibility import cut_off, reversibility
-from riot.shape import BoolArray, FloatArray, IntArray, Shape
-from riot.silhouette import mask_shape
-from riot.trunks import Trunks, admissible_edges
+from riot.geometry.polyline import arc_length, edge_lengths
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import mask_shape
+from riot.groundtruth import pairs as groundtruth
+from riot.groundtruth.pairs import ExactPair, Topology, exact_pair
+from riot.parameters.method import TrunkParameters
+from riot.scores.reversibility import cut_off, reversibility
+from riot.scores.trunks import Trunks, admissible_edges
+from riot.scores.vertices import congruency, convex_points, passes_visibility, sparse_points
+from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
-from riot.vertices import congruency, convex_points, passes_visibility, sparse_points
 
 SEED = 4711
 KINDS: tuple[tuple[Topology, bool], ...] = tuple(itertools.product(("star", "binary"), (False, True)))
@@ -40,7 +41,7 @@ NARROW: dict[str, object] = {
     "LEAST_DEPTH": 0.05,
     "GREATEST_ARC": 0.5,
 }
-"""Limits of `riot.groundtruth` for pairs made with no regard to the search: hinges anywhere, shallow pieces."""
+"""Limits of `riot.groundtruth.pairs` for pairs made with no regard to the search: hinges anywhere, shallow pieces."""
 PIXELS, FINER, MARGIN = 256, 4, 8
 """Side of a picture; its pixels are means of so many squared; free pixels at the border."""
 

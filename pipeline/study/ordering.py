@@ -10,7 +10,7 @@ import numpy as np
 from scipy import stats
 
 from pipeline.study.statistics import precision
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 
 @dataclass(frozen=True)

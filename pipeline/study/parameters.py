@@ -12,19 +12,19 @@ import pyarrow as pa
 from matplotlib.figure import Figure
 
 from pipeline.errors import ConfigError
-from pipeline.studies import TIMES
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, encoded, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.groundtruth import PIECES
 from pipeline.study.hidden import hide
+from pipeline.study.names import TIMES
 from pipeline.study.ordering import Order, orders
 from pipeline.study.statistics import wilson
 from pipeline.study.varied import Outcome, vary
-from pipeline.tables import column
+from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT
 from riot.draw.palette import PIECES as COLOURS
-from riot.groundtruth import CORNER_TOLERANCE, LEAST_DEPTH
+from riot.groundtruth.pairs import CORNER_TOLERANCE, LEAST_DEPTH
 
 TRUNKS, SIGMAS = ("spacing", "tau_s", "tau_c"), ("sigma_pa", "sigma_w")
 """The parameters of candidate trunks, and those of S_r."""

@@ -9,10 +9,10 @@ from functools import cached_property
 
 import numpy as np
 
-from riot.construct.choose import construct_plans, plan_pairs, refine_best, trunk_pairs
-from riot.cross import CrossSide, best_of_prepared, prepare
+from riot.construction.choose import construct_plans, plan_pairs, refine_best, trunk_pairs
 from riot.errors import RiotError, TrunkError
-from riot.parameters import (
+from riot.geometry.shape import Shape
+from riot.parameters.method import (
     QCRS_VARIANTS,
     ConstructParameters,
     CrsParameters,
@@ -20,10 +20,11 @@ from riot.parameters import (
     RefineParameters,
     TrunkParameters,
 )
-from riot.quick import score_block, stack
-from riot.shape import FloatArray, Shape
-from riot.transform import Transform
-from riot.trunks import Trunks, compared_trunks, full_trunks
+from riot.scores.crs import CrossSide, best_of_prepared, prepare
+from riot.scores.qcrs import score_block, stack
+from riot.scores.trunks import Trunks, compared_trunks, full_trunks
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 
 @dataclass

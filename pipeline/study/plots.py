@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from riot.draw.palette import LIGHT, PIECES
-from riot.shape import FloatArray, Shape
+from riot.geometry.shape import Shape
+from riot.types import FloatArray
 
 SIZE = (6.4, 4.0)
 """Inches of a plot."""

@@ -16,12 +16,12 @@ from pipeline.study.finished import Finished
 from pipeline.study.partners import Partners
 from pipeline.study.quiz_page import Answers, quiz_page
 from pipeline.study.quiz_pairs import Pair, choose
-from pipeline.tables import column
+from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT, PIECES
 from riot.errors import FormatError
-from riot.riotfile import from_json
-from riot.shape import FloatArray
-from riot.transform import Transform
+from riot.transform.riot_file import from_json
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 QUIZ = "quiz.html"
 

@@ -19,9 +19,9 @@ from pipeline.study.quiz_style import SCRIPT_TEXT, quiz_style
 from riot.draw.panels import DETAIL
 from riot.draw.scene import Path, Scene
 from riot.draw.svg import escape, fragment
-from riot.polyline import simplify
-from riot.shape import FloatArray
-from riot.transform import Transform
+from riot.geometry.polyline import simplify
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 MARGIN = 0.04
 """Around a silhouette, in units of √area."""

@@ -11,7 +11,7 @@ import numpy as np
 from pipeline.errors import StartError
 from pipeline.study.finished import Finished
 from pipeline.study.partners import Partners
-from riot.shape import BoolArray, FloatArray, IntArray
+from riot.types import BoolArray, FloatArray, IntArray
 
 NEAREST = 40
 """A pair's counterparts are sought among so many shapes whose reversibility is nearest to that of its first shape, and

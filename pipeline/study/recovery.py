@@ -18,8 +18,9 @@ from pipeline.study.partners import Clock, Partners, attempt
 from pipeline.study.statistics import wilson
 from riot import construct
 from riot.errors import RiotError
-from riot.shape import FloatArray, Shape
-from riot.transform import Transform
+from riot.geometry.shape import Shape
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 POLYGONS, PICTURES = 0.999, 0.985
 """IoU of the worse shape that is aimed at."""

@@ -8,9 +8,9 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
-from pipeline.studies import MEANINGS
 from pipeline.study.findings import Findings
 from pipeline.study.finished import Finished
+from pipeline.study.names import MEANINGS
 
 Say = Callable[[str], None]
 

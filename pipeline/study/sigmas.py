@@ -13,17 +13,17 @@ import numpy as np
 import pyarrow as pa
 
 from pipeline.errors import ConfigError
-from pipeline.studies import TIMES
 from pipeline.study import plots
 from pipeline.study.consistency import uniform
 from pipeline.study.findings import Findings, Sheet, encoded, of_columns
 from pipeline.study.finished import Finished
+from pipeline.study.names import TIMES
 from pipeline.study.partners import Partners
 from pipeline.study.statistics import Agreement, agreement
-from pipeline.tables import column
-from riot.parameters import QCRS_VARIANTS, QcrsParameters, QcrsVariant
-from riot.quick import TrunkStack, score_block, score_pairs, stack
-from riot.trunks import compared_trunks
+from pipeline.tables.schemas import column
+from riot.parameters.method import QCRS_VARIANTS, QcrsParameters, QcrsVariant
+from riot.scores.qcrs import TrunkStack, score_block, score_pairs, stack
+from riot.scores.trunks import compared_trunks
 
 
 @dataclass(frozen=True)

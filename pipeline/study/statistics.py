@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 SURE = 1.959964
 """Standard deviations of a 95 % interval."""

@@ -11,7 +11,7 @@ import pyarrow as pa
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import Finished
-from pipeline.tables import column
+from pipeline.tables.schemas import column
 
 
 @dataclass(frozen=True)

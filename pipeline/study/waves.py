@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 WAVES = 3
 """Plane waves that a deformation is a sum of."""

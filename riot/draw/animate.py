@@ -22,7 +22,7 @@ from riot.draw.scene import Dot, Scene
 from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import dot, naming, painted, piece_id, place, whole
 from riot.motion import Motion
-from riot.transform import Transform
+from riot.transform.transform import Transform
 
 STILL = 0.35
 """The pose for those who asked for less motion."""

@@ -9,10 +9,10 @@ import numpy as np
 
 from riot.draw.scene import Box, Dot, Mark, Part, around, swept
 from riot.motion import Motion
-from riot.motion.motion import LIFT
-from riot.pose import direction
-from riot.shape import FloatArray
-from riot.transform import Transform
+from riot.transform.motion import LIFT
+from riot.transform.pose import direction
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 STEP = math.radians(10.0)
 """Most that a piece turns between two frames, so that straight steps look rigid."""
@@ -33,7 +33,7 @@ SECONDS = 8.0
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """The n pieces at k times: (k, n) headings, radians, and (k, n, 2) origins, as `riot.pose.Pose` has them."""
+    """The n pieces at k times: (k, n) headings, radians, and (k, n, 2) origins, as `Pose` has them."""
 
     headings: FloatArray
     origins: FloatArray

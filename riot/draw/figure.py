@@ -7,17 +7,11 @@ from collections.abc import Callable
 from pathlib import Path as FilePath
 
 from riot.draw.course import motion_marks
-from riot.draw.panels import (
-    chain_marks,
-    deformation_marks,
-    dissection_marks,
-    input_marks,
-    sketch,
-)
+from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
 from riot.draw.scene import Box, Label, Mark, Scene, extent, moved
 from riot.draw.skin import PLAIN, Skins
 from riot.errors import RiotError
-from riot.transform import Transform
+from riot.transform.transform import Transform
 
 STRIP_TIMES = (0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0)
 """The poses of the strip."""

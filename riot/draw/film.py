@@ -20,9 +20,9 @@ from riot.draw.panels import sketch
 from riot.draw.scene import Box, Dot, Part, Scene, placed
 from riot.draw.skin import PLAIN, Skin, Skins
 from riot.errors import RiotError
-from riot.pose import rotate
-from riot.shape import FloatArray
-from riot.transform import Transform
+from riot.transform.pose import rotate
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 WIDTH = 640
 """Pixels across."""

@@ -8,10 +8,10 @@ import numpy as np
 
 from riot.draw.palette import hue
 from riot.draw.scene import Dot, Mark, Part, Path
-from riot.polyline import simplify, simplify_open
-from riot.pose import Pose, direction
-from riot.shape import FloatArray
-from riot.transform import Piece, Transform
+from riot.geometry.polyline import simplify, simplify_open
+from riot.transform.pose import Pose, direction
+from riot.transform.transform import Piece, Transform
+from riot.types import FloatArray
 
 DETAIL = 5e-4
 """Outlines are drawn within this distance of the truth (unit-area shapes): a tenth of a pixel in most pictures."""

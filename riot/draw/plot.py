@@ -18,8 +18,8 @@ from matplotlib.transforms import Affine2D
 from riot.draw.palette import LIGHT, PENS, colour, hue
 from riot.draw.scene import Dot, Label, Part, Path, Scene, placed
 from riot.draw.skin import Skin
-from riot.shape import FloatArray
-from riot.transform import Piece
+from riot.transform.transform import Piece
+from riot.types import FloatArray
 
 INCHES = 10.0
 """Width of a page."""

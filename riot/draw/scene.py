@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from riot.draw.skin import PLAIN, Skin, Skins
-from riot.pose import rotate
-from riot.shape import FloatArray
-from riot.transform import Piece
+from riot.transform.pose import rotate
+from riot.transform.transform import Piece
+from riot.types import FloatArray
 
 Box = tuple[float, float, float, float]
 """x0, y0, x1, y1 with x0 < x1 and y0 < y1."""

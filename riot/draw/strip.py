@@ -12,7 +12,7 @@ from riot.draw.figure import write_scene
 from riot.draw.panels import sketch
 from riot.draw.scene import Label, Mark, Scene, extent, moved
 from riot.draw.skin import PLAIN, Skins
-from riot.transform import Transform
+from riot.transform.transform import Transform
 
 POSES = 7
 """Poses in a strip."""

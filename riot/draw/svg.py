@@ -19,8 +19,8 @@ from PIL import Image
 from riot.draw.palette import LIGHT, PENS, PIECES, Pen, colour, hue
 from riot.draw.scene import Dot, Label, Mark, Part, Path, Scene
 from riot.draw.skin import PLAIN, Skin, Skins
-from riot.shape import FloatArray
-from riot.transform import Piece
+from riot.transform.transform import Piece
+from riot.types import FloatArray
 
 UNITS = 1000
 """SVG units per unit of the scene: a thousandth of a unit-area shape is the finest detail in a picture."""

@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 
 from rich.table import Table
 
+from riot.errors import FabricationError
 from riot.fabricate.checks import HingeCheck, MotionCheck, PartCheck, check_hinges, check_motion, check_part
 from riot.fabricate.design import design
-from riot.fabricate.errors import FabricationError
 from riot.fabricate.model import Design
-from riot.fabricate.parameters import ALLOWED, FabricationParameters
 from riot.fabricate.solid import Part, make_parts
-from riot.transform import Transform
+from riot.parameters.fabrication import ALLOWED, FabricationParameters
+from riot.transform.transform import Transform
 
 LARGER = 1.25
 """A size is enlarged by this factor at a time if nothing tells how much is enough."""
@@ -118,7 +118,7 @@ class Built:
 def build(transform: Transform, parameters: FabricationParameters | None = None) -> Built:
     """Design, build and verify with just these parameters; the certificate of what comes back may fail.
 
-    Raises `riot.fabricate.errors.FabricationError` for what cannot exist.
+    Raises `riot.errors.FabricationError` for what cannot exist.
     """
     made = design(transform, parameters)
     parts = make_parts(made)
@@ -130,7 +130,7 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None, *
 
     Without ``enlarge`` the size stays as it is.
 
-    Raises the `riot.fabricate.errors.FabricationError` of the last try if nothing helps; its message says what was
+    Raises the `riot.errors.FabricationError` of the last try if nothing helps; its message says what was
     tried.
     """
     asked = parameters or FabricationParameters()

@@ -13,20 +13,13 @@ import manifold3d
 import numpy as np
 import shapely
 
-from riot.fabricate.clearance import (
-    HEIGHT_TOLERANCE,
-    Proof,
-    least_gaps,
-    make_regions,
-    proven,
-    proven_at_hinge,
-)
+from riot.fabricate.clearance import HEIGHT_TOLERANCE, Proof, least_gaps, make_regions, proven, proven_at_hinge
 from riot.fabricate.course import Stretch, stretches
 from riot.fabricate.model import Design, HingeEnd, PieceDesign, Slab
 from riot.fabricate.outlines import disc, mends, narrowest
 from riot.fabricate.solid import Part, genus
-from riot.motion.motion import LIFT
-from riot.shape import FloatArray
+from riot.transform.motion import LIFT
+from riot.types import FloatArray
 
 LENGTH_TOLERANCE = 2e-3
 """Lengths that fall short by less are as asked for: twice the grid of the flat outlines, mm."""

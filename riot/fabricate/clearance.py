@@ -15,7 +15,7 @@ from riot.fabricate.model import HingeEnd, PieceDesign, filled, polygons
 from riot.fabricate.outlines import disc, parts, subtract
 from riot.kernels.collide import clear_share, separation
 from riot.motion import Motion
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 CAP_MM = 3.0
 """Gaps beyond this need not be exact."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from riot.motion import Motion
-from riot.motion.motion import LIFT
-from riot.shape import FloatArray, IntArray
+from riot.transform.motion import LIFT
+from riot.types import FloatArray, IntArray
 
 STEP = math.radians(2.0)
 """Greatest turn of one piece against another between two samples."""

@@ -11,19 +11,19 @@ import math
 
 import shapely
 
+from riot.errors import FabricationError
 from riot.fabricate.clearance import shaved
 from riot.fabricate.course import stretches
-from riot.fabricate.errors import FabricationError
 from riot.fabricate.layers import make_slabs
 from riot.fabricate.model import Design, HingeEnd, Kind, PieceDesign, Pin
 from riot.fabricate.outlines import SPARE, corner, make_outline, mends, narrowest
-from riot.fabricate.parameters import FabricationParameters
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
+from riot.geometry.polyline import extent, signed_area
 from riot.motion import Motion, MotionParameters, plan_motion
-from riot.polyline import extent, signed_area
-from riot.shape import FloatArray
-from riot.transform import Transform
+from riot.parameters.fabrication import FabricationParameters
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 NARROW = math.radians(25.0)
 """A corner at a hinge narrower than this is weak."""
@@ -46,7 +46,7 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
 
     The transform's motion is kept if it allows for the gap and the hinges' relief at this size, or planned again.
 
-    Raises `riot.fabricate.errors.FabricationError` if the transform's certificate fails, or for what cannot exist at
+    Raises `riot.errors.FabricationError` if the transform's certificate fails, or for what cannot exist at
     this size, naming the parameter that would mend it.
     """
     parameters = parameters or FabricationParameters()

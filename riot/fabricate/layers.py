@@ -6,11 +6,11 @@ from itertools import pairwise
 
 import shapely
 
-from riot.fabricate.errors import FabricationError
+from riot.errors import FabricationError
 from riot.fabricate.model import HingeEnd, Slab
 from riot.fabricate.outlines import CRUMB, GRID, disc, parts, subtract
-from riot.fabricate.parameters import FabricationParameters
 from riot.fabricate.telescope import Ring
+from riot.parameters.fabrication import FabricationParameters
 
 _HEIGHT_DIGITS = 6
 
@@ -20,7 +20,7 @@ def make_slabs(
 ) -> tuple[Slab, ...]:
     """The layers of one piece from the lowest up, crumbs left out.
 
-    Raises `riot.fabricate.errors.FabricationError` if they are not one solid.
+    Raises `riot.errors.FabricationError` if they are not one solid.
     """
     heights = {0.0, parameters.height}
     for end in ends:

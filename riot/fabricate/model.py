@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from riot.fabricate.parameters import FabricationParameters
 from riot.fabricate.telescope import Ring, Telescope
 from riot.motion import Motion
-from riot.pose import Pose
-from riot.shape import FloatArray
-from riot.transform import Transform
+from riot.parameters.fabrication import FabricationParameters
+from riot.transform.pose import Pose
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 Kind = Literal["pin", "telescopic", "open"]
 Role = Literal["male", "female", "none"]

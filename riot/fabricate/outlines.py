@@ -7,10 +7,10 @@ import math
 import numpy as np
 import shapely
 
-from riot.fabricate.errors import FabricationError
+from riot.errors import FabricationError
 from riot.fabricate.model import PieceDesign, polygons
-from riot.fabricate.parameters import FabricationParameters
-from riot.shape import FloatArray
+from riot.parameters.fabrication import FabricationParameters
+from riot.types import FloatArray
 
 GRID = 0.001
 """All points of flat regions lie on a grid of this step, mm: far below what a printer can do."""
@@ -52,7 +52,7 @@ def parts(region: shapely.Geometry) -> list[shapely.Polygon]:
 def make_outline(points: FloatArray, piece: int, parameters: FabricationParameters) -> shapely.Polygon:
     """A piece (m, 2) in mm, less half the outline gap all round, without holes.
 
-    Raises `riot.fabricate.errors.FabricationError` if it vanishes or falls apart.
+    Raises `riot.errors.FabricationError` if it vanishes or falls apart.
     """
     whole = shapely.Polygon(points)
     shrunk = shapely.simplify(whole.buffer(-0.5 * parameters.gap_mm - SPARE, quad_segs=_QUARTER), SMOOTH)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.fabricate.errors import FabricationError
-from riot.fabricate.parameters import FabricationParameters
+from riot.errors import FabricationError
 from riot.fabricate.shelves import shelves
 from riot.fabricate.solid import Part
+from riot.parameters.fabrication import FabricationParameters
 
 SPACE_MM = 4.0
 """Between two parts, and along the edge of the bed."""
@@ -33,7 +33,7 @@ Plate = tuple[Item, ...]
 def lay_out(parts: tuple[Part, ...], parameters: FabricationParameters) -> tuple[Plate, ...]:
     """Lay all parts, as many of each as are needed, on as few plates as rows allow; the deepest first.
 
-    Raises `riot.fabricate.errors.FabricationError` if a part is larger than the bed.
+    Raises `riot.errors.FabricationError` if a part is larger than the bed.
     """
     width, depth = parameters.bed_width_mm - 2 * SPACE_MM, parameters.bed_depth_mm - 2 * SPACE_MM
     found: list[tuple[str, int, bool, tuple[float, float]]] = []

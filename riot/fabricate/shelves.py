@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 
 @dataclass(frozen=True)

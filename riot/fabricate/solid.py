@@ -13,7 +13,7 @@ import shapely
 from riot.fabricate.layers import rings_slabs
 from riot.fabricate.model import Design, Slab, polygons
 from riot.fabricate.outlines import disc
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 SLIVER = 1e-7
 """Area in mm² of what two layers share by rounding only."""

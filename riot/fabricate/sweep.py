@@ -7,13 +7,13 @@ import math
 import numpy as np
 import shapely
 
+from riot.errors import FabricationError
 from riot.fabricate.course import Stretch
-from riot.fabricate.errors import FabricationError
 from riot.fabricate.model import HingeEnd
 from riot.fabricate.outlines import GRID, parts, subtract
-from riot.fabricate.parameters import ALLOWED, FabricationParameters
-from riot.shape import FloatArray
-from riot.transform import Transform
+from riot.parameters.fabrication import ALLOWED, FabricationParameters
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 SAGITTA = 0.02
 """Room beyond what samples of the motion ask for, mm: between two of them a point 120 mm away leaves the straight

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from riot.fabricate.errors import FabricationError
-from riot.fabricate.parameters import FabricationParameters
+from riot.errors import FabricationError
+from riot.parameters.fabrication import FabricationParameters
 
 LEDGE_HEIGHT = 0.8
 LIP_HEIGHT = 0.6
@@ -107,7 +107,7 @@ class _Heights:
 def make_telescope(parameters: FabricationParameters) -> Telescope:
     """The telescopic hinge for these parameters.
 
-    Raises `riot.fabricate.errors.FabricationError` if the pieces are too thin for it, or its ledges too narrow.
+    Raises `riot.errors.FabricationError` if the pieces are too thin for it, or its ledges too narrow.
     """
     z = _heights(parameters)
     gap, wall, step = parameters.telescope_gap_mm, parameters.telescope_wall_mm, parameters.telescope_ledge_mm

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 SLACK = 1e-12
 """Lower bounds are summed in another order than the distance; one that exceeds the limit by less prunes nothing."""
@@ -65,8 +65,8 @@ class Units(NamedTuple):
 
 @kernel
 def piece_areas(points: FloatArray, running: FloatArray, offsets: IntArray, vertices: IntArray) -> FloatArray:
-    """(s,) signed area of the exterior piece on every edge of every trunk; ``running`` is `riot.polyline.swept_area`'s
-    of the shape's points (m, 2)."""
+    """(s,) signed area of the exterior piece on every edge of every trunk; ``running`` is
+    `riot.geometry.polyline.swept_area`'s of the shape's points (m, 2)."""
     areas = np.empty(len(vertices))
     for t in range(len(offsets) - 1):
         for k in range(offsets[t], offsets[t + 1]):

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import BoolArray, FloatArray, IntArray
+from riot.types import BoolArray, FloatArray, IntArray
 
 SLACK = 1e-12
 """Bounds are loosened by this against rounding."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 SAME = 1e-9
 """Points of a placed arc closer than this are one."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from riot.kernels.options import inner, kernel
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 PROBES = (0.5, 0.25, 0.75, 0.125, 0.875, 0.375, 0.625)
 """Shares of a motion at which most of what is not free shows."""

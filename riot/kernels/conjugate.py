@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 
 @kernel

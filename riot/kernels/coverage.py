@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 
 @kernel

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import BoolArray, FloatArray, IntArray
+from riot.types import BoolArray, FloatArray, IntArray
 
 BENDABLE = 0.2
 """Where a line turns by this, radians, it resists half as much: at corners displacements may bend, not between."""

@@ -1,11 +1,11 @@
-"""Two closed outlines' directions compared along a monotone correspondence: the loop behind `riot.fidelity`. Ours."""
+"""Two closed outlines' directions compared along a monotone correspondence: the loop of `riot.transform.fidelity`."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from riot.kernels.options import inner, kernel
-from riot.shape import BoolArray, FloatArray, IntArray
+from riot.types import BoolArray, FloatArray, IntArray
 
 ComplexArray = npt.NDArray[np.complex128]
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from riot.kernels.options import inner, kernel
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 LEAF = 16
 """Trunks of a leaf: as many as two vector registers hold; fewer than 16 keep LLVM from vectorising."""

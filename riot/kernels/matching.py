@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 SIGMA = 0.03
 """Distance that counts as much as directions that differ by a right angle."""

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from riot.kernels.options import kernel
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 
 class Side(NamedTuple):

@@ -22,9 +22,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from riot.forest import Forest, Int32Array, Scale, Single
 from riot.kernels.options import inlined, inner, kernel
-from riot.shape import FloatArray, IntArray
+from riot.scores.forest import Forest, Int32Array, Scale, Single
+from riot.types import FloatArray, IntArray
 
 # As in riot.kernels.leaves (a test compares): Numba freezes what it imports, so each kernel module has its own.
 LEAF, WIDE, EDGES, ANGLES = 16, 32, 3, 2

@@ -1,11 +1,11 @@
-"""Douglas–Peucker on one open polyline, and midpoints: the loops behind `riot.polyline`."""
+"""Douglas–Peucker on one open polyline, and midpoints: the loops behind `riot.geometry.polyline`."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from riot.kernels.options import kernel
-from riot.shape import BoolArray, FloatArray, IntArray
+from riot.types import BoolArray, FloatArray, IntArray
 
 _TIE = 1e-9
 """Relative difference below which distances count as equal, however their coordinates round."""

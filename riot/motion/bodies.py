@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from riot.motion.parameters import MotionParameters
-from riot.polyline import extent
-from riot.shape import FloatArray, IntArray
-from riot.transform import Piece, Transform
+from riot.geometry.polyline import extent
+from riot.parameters.motion import MotionParameters
+from riot.transform.transform import Piece, Transform
+from riot.types import FloatArray, IntArray
 
 SIMPLIFY = 0.2
 """Share of half the gap by which the bodies' outlines may be simplified; they are shrunk by that much less."""

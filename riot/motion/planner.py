@@ -12,20 +12,20 @@ from itertools import combinations
 import numpy as np
 
 from riot.motion.bodies import Bodies, make_bodies
-from riot.motion.motion import LIFT, SEARCHES, Attempt, Motion
-from riot.motion.parameters import MotionParameters
 from riot.motion.search import Stretch, find
-from riot.pose import Chain
-from riot.shape import FloatArray, IntArray
-from riot.transform import Transform
+from riot.parameters.motion import MotionParameters
+from riot.transform.motion import LIFT, SEARCHES, Attempt, Motion
+from riot.transform.pose import Chain
+from riot.transform.transform import Transform
+from riot.types import FloatArray, IntArray
 
 
 def plan_motion(transform: Transform, parameters: MotionParameters | None = None) -> Motion:
     """Plan how the pieces swing from P to Q; deterministic.
 
-    Every open hinge is tried, by each search in turn (`riot.motion.motion.SEARCHES`): a motion in one plane wins over
-    any with lifts, and among those a calm one. There always is a plan: with all hinges lifting, no two pieces share a
-    plane.
+    Every open hinge is tried, by each search in turn (`riot.transform.motion.SEARCHES`): a motion in one plane wins
+    over any with lifts, and among those a calm one. There always is a plan: with all hinges lifting, no two pieces
+    share a plane.
     """
     parameters = parameters or MotionParameters()
     bodies = make_bodies(transform, parameters)

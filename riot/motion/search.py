@@ -12,7 +12,7 @@ import numpy as np
 
 from riot.kernels.collide import clear_share
 from riot.motion.bodies import Bodies
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 FLOOR = 0.25
 """Two bodies are in contact when nearer than this share of half the gap."""
@@ -52,7 +52,7 @@ class Stretch:
 
 
 def find(stretch: Stretch, search: str, samples: int, seed: int) -> FloatArray | None:
-    """A free path by one of `riot.motion.motion.SEARCHES`; None if it finds none."""
+    """A free path by one of `riot.transform.motion.SEARCHES`; None if it finds none."""
     turns = len(stretch.start)
     straight = np.zeros(turns)
     if search == "together":

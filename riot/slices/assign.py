@@ -8,13 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.construct.choose import drop_without_contact, find_plans
-from riot.construct.plan import Plan
+from riot.construction.choose import drop_without_contact, find_plans
+from riot.construction.plan import Plan
 from riot.errors import ConstructionError, TrunkError
-from riot.parameters import ConstructParameters, RefineParameters
-from riot.quick import score_block, stack
-from riot.shape import FloatArray, IntArray, Shape
-from riot.trunks import Trunks, quick_trunks
+from riot.geometry.shape import Shape
+from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.scores.qcrs import score_block, stack
+from riot.scores.trunks import Trunks, quick_trunks
+from riot.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,10 +15,11 @@ import manifold3d
 import numpy as np
 import shapely
 
-from riot.parameters import ShapeParameters
-from riot.shape import FloatArray, Shape
-from riot.slices.errors import ModelError
+from riot.errors import ModelError
+from riot.geometry.shape import Shape
+from riot.parameters.method import ShapeParameters
 from riot.slices.model import Model
+from riot.types import FloatArray
 
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("z", "x", "y")

@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from riot.fabricate.files import write_puzzle
-from riot.fabricate.flat import write_flat_files
-from riot.fabricate.folder import new_folder
+from riot.errors import ModelError
+from riot.fabricate.export.flat import write_flat_files
+from riot.fabricate.export.folder import new_folder
+from riot.fabricate.export.solids import write_puzzle
 from riot.slices.cut import Stack
-from riot.slices.errors import ModelError
 from riot.slices.make import Outcome, Puzzle
 from riot.slices.picture import draw_overview, draw_slices
 
@@ -30,9 +30,9 @@ def write_set(
 ) -> list[Path]:
     """Write all files of a stack into a new folder, or none; returns what was written.
 
-    ``slice-K-COUNTERPART/`` a slice that is made, as `riot.fabricate.files.write_puzzle` with the ``.riot`` file and
-    outlines for a laser, ``overview.png``, ``slices.png``, ``slices.svg``, and ``set.json``. ``more`` gives functions
-    that write further files of a puzzle into the folder that they are given.
+    ``slice-K-COUNTERPART/`` a slice that is made, as `riot.fabricate.export.solids.write_puzzle` with the ``.riot``
+    file and outlines for a laser, ``overview.png``, ``slices.png``, ``slices.svg``, and ``set.json``. ``more`` gives
+    functions that write further files of a puzzle into the folder that they are given.
 
     Raises ModelError ``nothing-made`` if no slice is, OSError if the folder cannot be written, is a file, or holds
     something already.

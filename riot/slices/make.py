@@ -12,18 +12,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from riot.construct.choose import construct_plans
-from riot.errors import RiotError, SilhouetteError
+from riot.construction.choose import construct_plans
+from riot.errors import FabricationError, RiotError, SilhouetteError
 from riot.fabricate.certificate import Built, FabricationCertificate, build, fix
-from riot.fabricate.errors import FabricationError
-from riot.fabricate.parameters import ALLOWED, FabricationParameters
 from riot.fabricate.plates import lay_out
-from riot.parameters import ConstructParameters, ShapeParameters
-from riot.polyline import extent
-from riot.shape import Shape
+from riot.geometry.polyline import extent
+from riot.geometry.shape import Shape
+from riot.parameters.fabrication import ALLOWED, FabricationParameters
+from riot.parameters.method import ConstructParameters, ShapeParameters
 from riot.slices.assign import Planned, Shortlist, assign, plan_slice
 from riot.slices.cut import Slice, Stack
-from riot.transform import Transform
+from riot.transform.transform import Transform
 
 ATTEMPTS = 4
 """A slice takes so many counterparts at most, one after another, until one can be made."""
@@ -81,7 +80,7 @@ def make_puzzles(
     ``distinct``: each counterpart is taken once at most. ``mend``: pins may get thinner and knuckles thicker, but no
     slice larger. ``sampling``: how outlines become shapes. ``note`` is told what is done.
 
-    Raises `riot.fabricate.errors.FabricationError` if the thickness is out of its range.
+    Raises `riot.errors.FabricationError` if the thickness is out of its range.
     """
     parameters = replace(parameters or FabricationParameters(), thickness_mm=stack.thickness)
     shapes, reasons = _shapes(stack, sampling)
@@ -168,7 +167,7 @@ def _rounds(
 def make_puzzle(each: Slice, planned: Planned, parameters: FabricationParameters, *, mend: bool) -> Puzzle:
     """Construct, design and verify one slice, at its own size.
 
-    Raises `riot.errors.ConstructionError`, or `riot.fabricate.errors.FabricationError`.
+    Raises `riot.errors.ConstructionError`, or `riot.errors.FabricationError`.
     """
     transform = construct_plans(planned.plans, planned.unplanned, ConstructParameters()).planned()
     size = mm_per_unit(transform.p) * max(extent(transform.outline_p()), extent(transform.outline_q()))

@@ -12,8 +12,8 @@ from typing import Any
 import manifold3d
 import numpy as np
 
-from riot.shape import FloatArray, IntArray
-from riot.slices.errors import ModelError
+from riot.errors import ModelError
+from riot.types import FloatArray, IntArray
 
 SUFFIXES = (".stl", ".3mf", ".obj")
 

@@ -16,12 +16,12 @@ from riot.draw.palette import LIGHT, PIECES, hue
 from riot.draw.panels import deformation_marks, sketch
 from riot.draw.scene import Label, Mark, Scene, extent, moved
 from riot.draw.scene import Path as Line
-from riot.fabricate.paper import MM_PER_INCH, Page, new_page, png_bytes
-from riot.shape import FloatArray
+from riot.fabricate.export.paper import MM_PER_INCH, Page, new_page, png_bytes
 from riot.slices.cut import Slice, Stack
 from riot.slices.make import Outcome, Puzzle
 from riot.slices.render import Body, View, render
-from riot.transform import Transform
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 ACROSS = 560
 """The longest of the three views is so many pixels wide or high."""

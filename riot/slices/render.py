@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 ByteArray = npt.NDArray[np.uint8]
 

@@ -8,7 +8,7 @@ from chaos.victims import Undisturbed as Undisturbed
 from chaos.victims import begun, committed, mine, settings
 from integration.small_runs import digests, pictures
 
-from pipeline.store import Store
+from pipeline.store.store import Store
 
 
 @pytest.fixture(scope="session")

@@ -51,9 +51,9 @@ def open_nursery() -> Iterator[Nursery]:
 def _serve(connection: Connection) -> None:
     import pipeline.flow
     import pipeline.report
-    from pipeline.closure import code_digests, library_versions
-    from pipeline.record import SHOWING
-    from pipeline.stages import STAGES
+    from pipeline.plan.code_digest import code_digests, library_versions
+    from pipeline.stages.registry import STAGES
+    from pipeline.tables.record import SHOWING
     from riot.kernels.warm import warm_all
 
     assert pipeline.flow and pipeline.report

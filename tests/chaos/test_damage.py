@@ -16,13 +16,13 @@ from chaos.nursery import Nursery
 from chaos.victims import begun, committed, little_memory, mine
 from integration.small_runs import digests
 
-from pipeline.cache import DAMAGED, OK, main
-from pipeline.closure import code_digests
+from pipeline.cli.cache import DAMAGED, OK, main
 from pipeline.errors import PayloadError, StartError
 from pipeline.flow import run_pipeline
-from pipeline.places.local import LocalFiles
-from pipeline.sources import ROOT
-from pipeline.store import MANIFEST, State, Store
+from pipeline.plan.code_digest import code_digests
+from pipeline.plan.sources import ROOT
+from pipeline.store.filesystem.local import LocalFiles
+from pipeline.store.store import MANIFEST, State, Store
 
 YEARS = 10 * 365 * 86400.0
 
@@ -174,7 +174,7 @@ from pathlib import Path
 from pipeline.closure import code_digests, library_versions
 from pipeline.stages import code_text, work_of
 from pipeline.work import select
-module = "pipeline.work.select"
+module = "pipeline.stages.select"
 before = code_digests(module)
 assert Path(sys.modules[module].__file__).is_relative_to(Path.cwd()), "the copy is what runs"
 path = Path(sys.modules[module].__file__)
@@ -193,7 +193,7 @@ def test_code_edited_while_a_run_goes_on_is_refused(tmp_path: Path) -> None:
     """Also when it was edited after it was loaded and before anything was planned: the key would name the new code."""
     for package in ("riot", "pipeline"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
-    before = code_digests("pipeline.work.select")
+    before = code_digests("pipeline.stages.select")
     done = subprocess.run([sys.executable, "-c", EDITED], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert code_digests("pipeline.work.select") == before
+    assert code_digests("pipeline.stages.select") == before

@@ -23,16 +23,16 @@ from integration.small_runs import BAD_START, CLEAN, WITH_ERRORS, command, diges
 from PIL import ImageFile
 from rich.console import Console
 
-import pipeline.execute
-from pipeline.artifact import Artifact
-from pipeline.cache import OK, main
-from pipeline.config import ClusterConfig, Config
+import pipeline.runtime.execute
+from pipeline.cli.cache import OK, main
+from pipeline.config.schema import ClusterConfig, Config
 from pipeline.errors import PlaceError
-from pipeline.exits import FAILED
-from pipeline.keys import KeyParts
-from pipeline.plan import Reference
+from pipeline.exit_codes import FAILED
+from pipeline.plan.keys import KeyParts
+from pipeline.plan.plan import Reference
 from pipeline.run import _run
-from pipeline.store import Store
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import Store
 
 Scenario = Callable[[Undisturbed, Path], None]
 ENOUGH = "size=64m"
@@ -160,7 +160,7 @@ def lock_the_store_before(undisturbed: Undisturbed, where: Path) -> None:
     # Whoever wants nothing that is not there already is served, without workers.
     tried = opened_to_write(store)
     on_workers = replace(config, cluster=ClusterConfig("local", workers=2))
-    pipeline.execute.open_cluster = lambda *_: pytest.fail("a cluster was opened")
+    pipeline.runtime.execute.open_cluster = lambda *_: pytest.fail("a cluster was opened")
     assert mine(on_workers, where) == (CLEAN, "", [])
     assert mine(on_workers, where) == (CLEAN, "", [])  # and now finds its tables up to date
     assert len(tried) == 2  # each run once, to see whether it can

@@ -14,11 +14,11 @@ from chaos.nursery import Nursery
 from chaos.victims import begun, mine, settings
 from integration.small_runs import digests
 
-from pipeline.config import Config
-from pipeline.datasets import DatasetConfig, collect
-from pipeline.inputs import Kept
-from pipeline.perform import perform
-from pipeline.plan import make_plan
+from pipeline.config.schema import Config
+from pipeline.datasets.collection import DatasetConfig, collect
+from pipeline.plan.plan import make_plan
+from pipeline.runtime.inputs import Kept
+from pipeline.runtime.worker import perform
 
 
 def relative(where: Path) -> Config:

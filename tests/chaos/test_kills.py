@@ -26,10 +26,10 @@ from chaos.victims import (
 )
 from integration.small_runs import digests
 
-from pipeline.artifact import Artifact
-from pipeline.cache import OK, main
-from pipeline.keys import KeyParts
-from pipeline.store import State, Store
+from pipeline.cli.cache import OK, main
+from pipeline.plan.keys import KeyParts
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import State, Store
 
 KILLED = {-signal.SIGKILL, -signal.SIGPROF, -signal.SIGXFSZ}
 SHORT, LONG = 8, 250

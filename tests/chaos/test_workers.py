@@ -13,7 +13,7 @@ from chaos.conftest import Undisturbed
 from chaos.victims import committed
 from integration.small_runs import CLEAN, command, digests, stages
 
-from pipeline.store import Store
+from pipeline.store.store import Store
 
 SAME = ("batch=3", "select.top=2", "select.breadth=2", "select.per_shape=2", "refine.candidates=2")
 """The settings of `chaos.victims`, as a command has them."""

@@ -13,15 +13,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import pipeline.perform
-from pipeline.artifact import Artifact
-from pipeline.config import ClusterConfig, Config, SelectConfig
-from pipeline.datasets import DatasetConfig
+import pipeline.runtime.worker
+from pipeline.config.schema import ClusterConfig, Config, SelectConfig
+from pipeline.datasets.collection import DatasetConfig
 from pipeline.flow import run_pipeline
-from pipeline.plan import Reference
-from pipeline.stages import Work, work_of
-from pipeline.store import State, Store
-from riot.parameters import RefineParameters
+from pipeline.plan.plan import Reference
+from pipeline.stages.registry import Work, work_of
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import State, Store
+from riot.parameters.method import RefineParameters
 
 Death = Callable[[], None]
 """Called at the start of a victim; arranges for its end."""
@@ -77,12 +77,12 @@ def recording(log: Path, disturb: Callable[[str], None] = lambda stage: None) ->
 
         return replace(work, run=run)
 
-    perform_one = pipeline.perform.work_of
-    pipeline.perform.work_of = recorded  # type: ignore[assignment]
+    perform_one = pipeline.runtime.worker.work_of
+    pipeline.runtime.worker.work_of = recorded  # type: ignore[assignment]
     try:
         yield
     finally:
-        pipeline.perform.work_of = perform_one
+        pipeline.runtime.worker.work_of = perform_one
 
 
 def begun(log: Path) -> list[str]:

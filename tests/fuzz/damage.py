@@ -9,9 +9,9 @@ import numpy as np
 from hypothesis import strategies as st
 from PIL import Image, ImageDraw
 
-from riot.groundtruth import exact_pair, exact_transform
-from riot.history import History, Step
-from riot.riotfile import to_json
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.history import History, Step
+from riot.transform.riot_file import to_json
 
 Damage = tuple[str, int, int, int]
 """What is done, where, how much of it, and with which value; places are taken modulo the length."""

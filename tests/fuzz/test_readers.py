@@ -16,11 +16,11 @@ from fuzz.damage import Damage, damaged, damages, drawings, pictures, transforms
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from riot.construct.pins import pins_from_json
+from riot.construction.pins import pins_from_json
 from riot.errors import FormatError, SilhouetteError
-from riot.groundtruth import exact_pair
-from riot.riotfile import from_json, load, to_json
-from riot.silhouette import polygon_shape, read
+from riot.geometry.silhouette import polygon_shape, read
+from riot.groundtruth.pairs import exact_pair
+from riot.transform.riot_file import from_json, load, to_json
 
 MEMORY = 600 * 2**20
 """By how much the process may grow, in bytes, over all damaged files: they are some kilobytes each."""

@@ -8,9 +8,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pipeline import tables
-from riot.groundtruth import exact_pair, exact_transform
-from riot.polyline import signed_area
+from pipeline.tables import schemas as tables
+from riot.geometry.polyline import signed_area
+from riot.groundtruth.pairs import exact_pair, exact_transform
 
 NAMES = (
     ("cat-1", "dog 2"),

@@ -12,11 +12,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pipeline.config import make_config
-from pipeline.match import Mined
+from pipeline.config.schema import make_config
+from pipeline.match.search import Mined
 from pipeline.study.finished import Finished
-from riot.reversibility import reversibility
-from riot.shape import Shape
+from riot.geometry.shape import Shape
+from riot.scores.reversibility import reversibility
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from edited_project import ALL, OF_EACH_KIND, Edit, Project, finished_once
 
-import pipeline.plan
-from pipeline.cache import OK, damaged, main, stale, usage
-from pipeline.plan import Reference, WorkItem
+import pipeline.plan.plan
+from pipeline.cli.cache import OK, damaged, main, stale, usage
+from pipeline.plan.plan import Reference, WorkItem
 
 __all__ = ["finished_once"]
 
@@ -100,18 +100,18 @@ def test_accept_makes_stale_items_current_and_nothing_else(project: Project, edi
 def test_accept_keeps_another_edit_s_work_to_do(project: Project) -> None:
     """Code that was edited without effect, and a parameter: what reads the parameter is done again."""
     edited = project.configured(lambda c: replace(c, qcrs=replace(c.qcrs, sigma_e=0.2)))
-    edited = edited.edit("riot.polyline", "def signed_area(", "def other_area(")
+    edited = edited.edit("riot.geometry.polyline", "def signed_area(", "def other_area(")
     assert call(edited, "accept") == OK
     assert {stage for stage, _ in references(edited.missing())} == {"qcrs", "select"}
 
 
 def test_accept_with_topk_redoes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline.plan, "SHARD", 4)
+    monkeypatch.setattr(pipeline.plan.plan, "SHARD", 4)
     begun = Project.begin(tmp_path, monkeypatch)
     project = begun.configured(lambda c: replace(c, qcrs=replace(c.qcrs, mode="topk", k=3)))
     project.record(project.finish())
     assert len({key for stage, key in held(project) if stage == "shards"}) > 1
-    project.edit("riot.polyline", "def signed_area(", "def other_area(")
+    project.edit("riot.geometry.polyline", "def signed_area(", "def other_area(")
     assert project.missing()
     assert call(project, "accept") == OK
     assert not project.missing()

@@ -8,17 +8,17 @@ import pytest
 from fenced import ROOT, blocks
 from html_page import Page
 
-import pipeline.app
+import pipeline.cli.main
 import pipeline.run
 import pipeline.study.__main__ as study
-from pipeline.command import check_command, complete
+from pipeline.config.command_line import check_command, complete
 from pipeline.study.registry import STUDIES
-from pipeline.tables import SCHEMAS
+from pipeline.tables.schemas import SCHEMAS
 
 DOCS = ROOT / "docs"
 PAGES = ("index.md", "mine.md", "scores.md", "tables.md", "make.md", "studies.md", "findings.md", "limits.md")
 COMMANDS = {
-    ("riot",): (pipeline.app.main, ()),
+    ("riot",): (pipeline.cli.main.main, ()),
     ("python", "-m", "pipeline.run"): (pipeline.run.main, ("cluster=sync",)),  # which writes the same bytes
     ("python", "-m", "pipeline.study"): (study.main, ()),
 }

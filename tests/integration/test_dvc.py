@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.closure import ROOT
-from pipeline.exits import BAD_START
-from pipeline.measures import main
+from pipeline.exit_codes import BAD_START
+from pipeline.plan.code_digest import ROOT
+from pipeline.tables.measures import main
 
 CLONED = ("conf", "pipeline", "riot", "dvc.yaml", "params.yaml", ".dvc", ".dvcignore", ".gitignore")
 TOP = 1

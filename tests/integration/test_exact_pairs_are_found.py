@@ -7,10 +7,10 @@ import pytest
 import shapely
 
 from riot import Shape, construct, crs, qcrs
-from riot.groundtruth import ExactPair, dudeney, exact_pair
-from riot.parameters import RefineParameters
-from riot.shape import FloatArray
-from riot.silhouette import mask_shape
+from riot.geometry.silhouette import mask_shape
+from riot.groundtruth.pairs import ExactPair, dudeney, exact_pair
+from riot.parameters.method import RefineParameters
+from riot.types import FloatArray
 
 
 def shapes(pair: ExactPair) -> tuple[Shape, Shape]:

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pipeline import fetch
-from pipeline.datasets import DatasetConfig, DatasetError, collect
+from pipeline.datasets import fetch
+from pipeline.datasets.collection import DatasetConfig, DatasetError, collect
 
 NAMES = ("Bone-1", "apple-1", "apple-2")
 

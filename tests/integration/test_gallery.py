@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from html_page import Page
 
-from pipeline.record import GALLERY
 from pipeline.report import write_report
 from pipeline.report.gallery import INDEX, ORDERS, SCRIPT, STYLE, index, page_name, thumb_name
 from pipeline.report.gallery_style import gallery_style
@@ -19,7 +18,8 @@ from pipeline.report.page import SHOWN_CARDS
 from pipeline.report.rows import read_run
 from pipeline.report.script import SCRIPT_TEXT
 from pipeline.report.thumb import thumb
-from riot.history import History, Step
+from pipeline.tables.record import GALLERY
+from riot.transform.history import History, Step
 
 MANY = 1000
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from riot.groundtruth import exact_pair, exact_transform
+from riot.groundtruth.pairs import exact_pair, exact_transform
 
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "methods.py"
 

@@ -13,13 +13,13 @@ import trimesh
 from PIL import Image, ImageDraw
 from small_runs import CLEAN, QUICK, SHAPES, WITH_ERRORS, draw, pictures, run, table
 
-from pipeline.app import main
-from pipeline.match import open_mined
-from pipeline.slices import shortlists
-from riot.parameters import TrunkParameters
-from riot.quick import brute_force, stack
-from riot.silhouette import read
-from riot.trunks import quick_trunks
+from pipeline.cli.main import main
+from pipeline.match.search import open_mined
+from pipeline.match.slices import shortlists
+from riot.geometry.silhouette import read
+from riot.parameters.method import TrunkParameters
+from riot.scores.qcrs import brute_force, stack
+from riot.scores.trunks import quick_trunks
 
 FOUND, NOTHING, BAD = 0, 1, 2
 SETTINGS = TrunkParameters(min_area=0.05)

@@ -16,10 +16,10 @@ import pytest
 from distributed import Client
 from small_runs import BAD_START, CLEAN, command, digests, run_here, stages
 
-from pipeline.closure import ROOT
-from pipeline.command import check_command, complete
-from pipeline.events import Event, Note, StageEnded
+from pipeline.config.command_line import check_command, complete
 from pipeline.flow import run_pipeline
+from pipeline.plan.code_digest import ROOT
+from pipeline.runtime.events import Event, Note, StageEnded
 
 COUNTING = Path(__file__).resolve().parent / "counting"
 

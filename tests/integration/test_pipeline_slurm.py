@@ -15,15 +15,15 @@ from distributed import Client
 from small_runs import BAD_START, CLEAN, INTERRUPTED, command, digests, run_here
 from stand_in_slurm import Slurm
 
-from pipeline.admission import Admission
-from pipeline.closure import ROOT
-from pipeline.cluster import open_cluster
-from pipeline.command import check_command, complete
-from pipeline.config import ClusterConfig
+from pipeline.config.command_line import check_command, complete
+from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError
-from pipeline.events import ItemDone, Note
 from pipeline.flow import run_pipeline
-from pipeline.slurm import Jobs, slurm_cluster
+from pipeline.plan.code_digest import ROOT
+from pipeline.runtime.admission import Admission
+from pipeline.runtime.cluster import open_cluster
+from pipeline.runtime.events import ItemDone, Note
+from pipeline.runtime.slurm import Jobs, slurm_cluster
 
 LIMIT = "sbatch: error: QOSMaxSubmitJobPerUserLimit"
 HERE = ("cluster=slurm", "cluster.interface=lo")
@@ -82,7 +82,7 @@ def test_an_interrupt_cancels_all_jobs_and_one_that_dies_is_replaced(
     assert driver.returncode == INTERRUPTED and "the same command goes on" in said and "Traceback" not in said
     assert len(slurm.submitted) == 2 and set(slurm.cancelled) == set(slurm.submitted) and slurm.ended()
 
-    monkeypatch.setattr("pipeline.cluster.PATIENCE", 3)
+    monkeypatch.setattr("pipeline.runtime.cluster.PATIENCE", 3)
     noted: list[str] = []
 
     def listen(event: object) -> None:

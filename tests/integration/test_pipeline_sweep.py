@@ -12,14 +12,14 @@ import pytest
 from small_runs import BAD_START, CLEAN, INTERRUPTED, SHAPES, digests, run_here, stages, table
 
 from pipeline import flow as flow_module
-from pipeline import summary as summary_module
-from pipeline.config import Config
+from pipeline.cli import summary as summary_module
+from pipeline.config.schema import Config
 from pipeline.errors import StartError
-from pipeline.events import Listener
-from pipeline.exits import FAILED
+from pipeline.exit_codes import FAILED
 from pipeline.flow import Outcome
 from pipeline.run import main
-from riot.transform import Transform
+from pipeline.runtime.events import Listener
+from riot.transform.transform import Transform
 
 
 def test_a_sweep_shares_what_its_parameters_do_not_touch(copied: Path, root: Path) -> None:

@@ -13,20 +13,20 @@ import pyarrow.parquet as pq
 import pytest
 from small_runs import CLEAN, WITH_ERRORS, digests, pictures, table
 
-import pipeline.cache
-import pipeline.perform
-import pipeline.plan
-import pipeline.quarantine
-from pipeline.artifact import Artifact
-from pipeline.config import Config, make_config
-from pipeline.events import Event, Note
+import pipeline.cli.cache
+import pipeline.plan.plan
+import pipeline.runtime.quarantine
+import pipeline.runtime.worker
+from pipeline.config.schema import Config, make_config
 from pipeline.flow import Outcome, run_pipeline
-from pipeline.part import Part
-from pipeline.plan import Reference
-from pipeline.quarantine import OF_SHAPES
-from pipeline.stages import Work, work_of
-from pipeline.store import Store
-from pipeline.work.items import count_shapes
+from pipeline.plan.part import Part
+from pipeline.plan.plan import Reference
+from pipeline.runtime.events import Event, Note
+from pipeline.runtime.quarantine import OF_SHAPES
+from pipeline.stages.items import count_shapes
+from pipeline.stages.registry import Work, work_of
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import Store
 
 Poison = Callable[[str, Sequence[Any], Any], bool]
 """Whether a stage's work, of inputs and a spec, is deadly."""
@@ -44,8 +44,8 @@ class Planted:
 
     def __init__(self, root: Path, patch: pytest.MonkeyPatch) -> None:
         self.root, self.poison, self.begun, self.notes = root, (lambda *_: False), list[str](), list[str]()
-        patch.setattr(pipeline.perform, "DEADLY", pipeline.perform.DEADLY | {"Died"})
-        patch.setattr(pipeline.perform, "work_of", self._work_of)
+        patch.setattr(pipeline.runtime.worker, "DEADLY", pipeline.runtime.worker.DEADLY | {"Died"})
+        patch.setattr(pipeline.runtime.worker, "work_of", self._work_of)
 
     def _work_of(self, stage: str, code: str) -> Work:
         work = work_of(stage, code)
@@ -136,7 +136,7 @@ def tidied(where: Path) -> bool:
     """Delete what nobody needs from the store; whether that was anything."""
     before = payloads(where)
     places = ("--store", str(where / "store"), "--outputs", str(where / "outputs"))
-    assert pipeline.cache.main(["gc", "--stale", *places]) == pipeline.cache.OK
+    assert pipeline.cli.cache.main(["gc", "--stale", *places]) == pipeline.cli.cache.OK
     return payloads(where).keys() < before.keys()
 
 
@@ -216,7 +216,7 @@ def test_more_failures_than_single_pairs_explain_are_not_searched(
     planted: Planted, clean: Path, areas: dict[float, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One shape is deadly with all others: after a few halvings what it is in is lost as it is."""
-    monkeypatch.setattr(pipeline.quarantine, "MOST", 4)
+    monkeypatch.setattr(pipeline.runtime.quarantine, "MOST", 4)
     tried: list[int] = []
 
     def poison(stage: str, inputs: Sequence[Any], spec: Any) -> bool:
@@ -269,7 +269,7 @@ def test_a_search_that_fails_only_as_a_whole_is_done_in_parts(
 def test_a_deadly_shard_is_missing_and_the_others_are_searched(
     planted: Planted, clean_topk: Path, areas: dict[float, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pipeline.plan, "SHARD", BATCHES)
+    monkeypatch.setattr(pipeline.plan.plan, "SHARD", BATCHES)
 
     def poison(stage: str, inputs: Sequence[Any], spec: Any) -> bool:
         return stage == "shards" and 0 in numbers(inputs[0], areas)

@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 from small_runs import CLEAN, WITH_ERRORS, command, digests, draw, pictures, run, stages, table
 
-from riot.transform import Transform
+from riot.transform.transform import Transform
 
 POISON = """
 import ctypes, importlib, signal
@@ -32,7 +32,7 @@ def areas(stack):
 
 def load_poisoned(name, *arguments):
     module = load(name, *arguments)
-    if name == "pipeline.work.qcrs" and not hasattr(module, "harmless"):
+    if name == "pipeline.stages.qcrs" and not hasattr(module, "harmless"):
         module.harmless = module.run
 
         def run(inputs, parameters, spec):

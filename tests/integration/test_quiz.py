@@ -17,9 +17,9 @@ from pipeline.errors import ConfigError, StartError
 from pipeline.study.findings import write_findings
 from pipeline.study.quiz import QUIZ, Parameters, right_answers, study, with_hindsight
 from pipeline.study.quiz_pairs import Pair
-from riot.groundtruth import exact_pair, exact_transform
-from riot.riotfile import to_json
-from riot.shape import Shape
+from riot.geometry.shape import Shape
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.riot_file import to_json
 
 EXACT, FOUND = 7, 4
 """Exact pairs, whose shapes are 2k and 2k + 1, and how many of them, the first, the run has transforms of."""

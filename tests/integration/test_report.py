@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 from html_page import Page
 
-from pipeline import tables
-from pipeline.artifact import Artifact, encode
 from pipeline.report import write_report
 from pipeline.report.histogram import CELLS, distribution
 from pipeline.report.markup import small
 from pipeline.report.rows import ReportError, read_run
-from pipeline.work.paint import pack_skins
-from pipeline.work.paper import same_trunks
-from riot.construct.laplacian import construct_laplacian
+from pipeline.stages.paint import pack_skins
+from pipeline.stages.paper import same_trunks
+from pipeline.store.artifact import Artifact, encode
+from pipeline.tables import schemas as tables
+from riot.construction.laplacian import construct_laplacian
 from riot.draw.palette import hue
-from riot.parameters import ConstructParameters
-from riot.texture.paint import pattern_texture
-from riot.texture.skins import make_skins
+from riot.draw.texture.paint import pattern_texture
+from riot.draw.texture.skins import make_skins
+from riot.parameters.method import ConstructParameters
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from pipeline.study.__main__ import main
 from pipeline.study.finished import Finished
 from pipeline.study.registry import STUDIES
 from pipeline.study.statistics import agreement
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 
 @pytest.fixture(scope="module")

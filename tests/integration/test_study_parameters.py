@@ -19,10 +19,10 @@ from pipeline.study.hidden import NEAR, Hidden, failed_test, hide, nearest
 from pipeline.study.ordering import orders, reordered
 from pipeline.study.parameters import TIMES, Parameters, study
 from pipeline.study.varied import vary
-from riot.parameters import ReversibilityParameters, TrunkParameters
-from riot.reversibility import reversibility
-from riot.shape import Shape
-from riot.trunks import Trunks, full_trunks
+from riot.geometry.shape import Shape
+from riot.parameters.method import ReversibilityParameters, TrunkParameters
+from riot.scores.reversibility import reversibility
+from riot.scores.trunks import Trunks, full_trunks
 from riot.units import L_C
 
 DEFAULT = TrunkParameters()

@@ -13,14 +13,14 @@ import pytest
 from PIL import Image
 from small_runs import CLEAN, digests, draw, pictures, run, run_here, stages
 
-import pipeline.plan
-from pipeline.config import Config, make_config
-from pipeline.datasets import collect
+import pipeline.plan.plan
+from pipeline.config.schema import Config, make_config
+from pipeline.datasets.collection import collect
 from pipeline.errors import ConfigError
-from pipeline.events import Event, StageEnded
 from pipeline.flow import run_pipeline
-from pipeline.plan import Plan, make_plan, plan_search, plan_select
-from pipeline.topk import Search, read_search
+from pipeline.plan.plan import Plan, make_plan, plan_search, plan_select
+from pipeline.runtime.events import Event, StageEnded
+from pipeline.tables.partner_search import Search, read_search
 
 SHAPES = 23
 COPIES = (30, 31, 32, 33)
@@ -100,7 +100,7 @@ def every(root: Path, store: Path, tmp_path_factory: pytest.TempPathFactory) -> 
 def test_the_pairs_are_the_best_of_all(
     k: int, shard: int, every: Pairs, root: Path, store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pipeline.plan, "SHARD", shard)
+    monkeypatch.setattr(pipeline.plan.plan, "SHARD", shard)
     found = mine(configure(root, tmp_path, store, qcrs={"mode": "topk", "k": k}))
     assert (found.stages["shards"].total > 1) == (shard < 640)
     assert len(best_of(every.table, k)) > SHAPES // 2
@@ -123,7 +123,7 @@ def test_with_enough_partners_the_selection_is_that_of_all_pairs(
 
 
 def test_one_more_picture_changes_its_own_shard(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline.plan, "SHARD", 8)
+    monkeypatch.setattr(pipeline.plan.plan, "SHARD", 8)
     grown = Path(shutil.copytree(root, tmp_path / "grown"))
     topk = {"mode": "topk", "k": 3}
     mine(configure(root, tmp_path / "before", tmp_path / "store", qcrs=topk))
@@ -153,7 +153,7 @@ def test_which_pairs_are_scored_is_no_part_of_the_keys_of_scores(root: Path, tmp
 
 
 def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline.plan, "SHARD", 8)
+    monkeypatch.setattr(pipeline.plan.plan, "SHARD", 8)
     whole = planned(root, tmp_path, mode="topk")
     lost = whole.trunks[2]
     left = plan_search(whole, {item.reference for item in whole.trunks} - {lost.reference})

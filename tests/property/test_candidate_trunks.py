@@ -12,16 +12,16 @@ from blobs import blob, blob_polygon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from riot.geometry.polyline import arc_length, insert_midpoints, signed_area
+from riot.geometry.shape import Shape
 from riot.kernels.congruency import frechet
 from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.segments import inside_shares
 from riot.kernels.visibility import seen_from
-from riot.parameters import TrunkParameters
-from riot.polyline import arc_length, insert_midpoints, signed_area
-from riot.shape import Shape
-from riot.trunks import Trunks, admissible_edges, full_trunks, quick_trunks
+from riot.parameters.method import TrunkParameters
+from riot.scores.trunks import Trunks, admissible_edges, full_trunks, quick_trunks
+from riot.scores.vertices import congruency, convex_points, passes_visibility, sparse_points
 from riot.units import L_C
-from riot.vertices import congruency, convex_points, passes_visibility, sparse_points
 
 SEEDS = st.integers(0, 10_000)
 

@@ -13,18 +13,19 @@ from hypothesis import strategies as st
 from plain_dissection import plain_distances, signed_distances
 
 from riot import ConstructionError, TrunkError, construct
-from riot.construct.conjugate import is_convex, make_conjugate
-from riot.construct.make import construct_plan
-from riot.construct.mesh import mesh_convex
-from riot.construct.partition import label_cells
-from riot.construct.plan import TrunkPair, plan_pair
-from riot.construct.tree import cell_paths, dissection_tree
-from riot.cross import best_trunk_pairs
-from riot.groundtruth import dudeney, exact_pair
-from riot.parameters import ConstructParameters, RefineParameters
-from riot.polyline import edge_lengths
-from riot.shape import FloatArray, Shape
-from riot.transform import Transform
+from riot.construction.conjugate import is_convex, make_conjugate
+from riot.construction.make import construct_plan
+from riot.construction.mesh import mesh_convex
+from riot.construction.partition import label_cells
+from riot.construction.plan import TrunkPair, plan_pair
+from riot.construction.tree import cell_paths, dissection_tree
+from riot.geometry.polyline import edge_lengths
+from riot.geometry.shape import Shape
+from riot.groundtruth.pairs import dudeney, exact_pair
+from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.scores.crs import best_trunk_pairs
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 SEEDS = st.integers(0, 10_000)
 UNREFINED = RefineParameters(sketched=0, refined=0)

@@ -14,14 +14,14 @@ import pytest
 import shapely
 from blobs import blob, pair_shapes
 
-from riot.cross import AREA_SLACK, NO_SCORE, best_of_prepared, best_trunk_pairs, crs, gaussian, prepare
-from riot.groundtruth import exact_pair
+from riot.geometry.shape import Shape
+from riot.groundtruth.pairs import exact_pair
 from riot.kernels.candidates import Units, leaf_pairs, nearest_candidates
 from riot.kernels.coverage import area_terms, swung_arcs, uncovered
-from riot.parameters import CrsParameters
-from riot.quick import corresponding
-from riot.shape import Shape
-from riot.trunks import Trunks, full_trunks
+from riot.parameters.method import CrsParameters
+from riot.scores.crs import AREA_SLACK, NO_SCORE, best_of_prepared, best_trunk_pairs, crs, gaussian, prepare
+from riot.scores.qcrs import corresponding
+from riot.scores.trunks import Trunks, full_trunks
 from riot.units import D_C
 
 
@@ -229,7 +229,7 @@ def test_the_room_for_candidates_changes_nothing(room: int, monkeypatch: pytest.
     a, b = blob(1), blob(2)
     trunks_a, trunks_b = thinned(full_trunks(a), 40), thinned(full_trunks(b), 40)
     expected = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
-    monkeypatch.setattr("riot.cross.FIRST_ROOM", room)
+    monkeypatch.setattr("riot.scores.crs.FIRST_ROOM", room)
     found = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
     assert [score.score for score in found] == [score.score for score in expected]
     assert all(np.array_equal(x.trunk_b, y.trunk_b) for x, y in zip(found, expected, strict=True))

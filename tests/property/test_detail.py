@@ -16,18 +16,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot import ConstructionError, construct
-from riot.construct.detail import ROUNDS, add_detail
-from riot.construct.dissect import dissect
-from riot.construct.draft import Draft, draft_plan
-from riot.construct.match import DetailParameters
-from riot.construct.plan import Plan
-from riot.cross import best_trunk_pairs
-from riot.groundtruth import ExactPair, exact_pair
+from riot.construction.detail import ROUNDS, add_detail
+from riot.construction.dissect import dissect
+from riot.construction.draft import Draft, draft_plan
+from riot.construction.match import DetailParameters
+from riot.construction.plan import Plan
+from riot.geometry.polyline import simplify_open
+from riot.geometry.shape import Shape
+from riot.groundtruth.pairs import ExactPair, exact_pair
 from riot.kernels.detail import BENDABLE, collisions, difference, solved
 from riot.kernels.matching import along, at, corresponding, merged, turnings
-from riot.parameters import ConstructParameters
-from riot.polyline import simplify_open
-from riot.shape import FloatArray, Shape
+from riot.parameters.method import ConstructParameters
+from riot.scores.crs import best_trunk_pairs
+from riot.types import FloatArray
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -43,7 +44,7 @@ def drafted(p: Shape, q: Shape, trunks: tuple[FloatArray, FloatArray]) -> Draft:
         drafts.append(draft_plan(plan, parameters))
         return drafts[-1]
 
-    with mock.patch.object(importlib.import_module("riot.construct.make"), "draft_plan", record):
+    with mock.patch.object(importlib.import_module("riot.construction.make"), "draft_plan", record):
         construct(p, q, trunks)
     return drafts[-1]
 

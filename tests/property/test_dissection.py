@@ -12,12 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_dissection import plain_distances, plain_labels, plain_mesh, plain_tree
 
-from riot.construct.mesh import mesh_convex
-from riot.construct.partition import label_cells
-from riot.construct.tree import dissection_tree
+from riot.construction.mesh import mesh_convex
+from riot.construction.partition import label_cells
+from riot.construction.tree import dissection_tree
 from riot.kernels.cells import rooted, weights
-from riot.parameters import ConstructParameters
-from riot.shape import FloatArray, IntArray
+from riot.parameters.method import ConstructParameters
+from riot.types import FloatArray, IntArray
 
 ANYTHING = dataclasses.replace(ConstructParameters(), max_cut_off=1.0, max_lost_contact=1.0)
 """Parameters with which nothing is rejected."""

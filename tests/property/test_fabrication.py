@@ -21,13 +21,13 @@ from riot.fabricate.checks import placed_parts
 from riot.fabricate.course import STEP, stretches
 from riot.fabricate.model import Slab
 from riot.fabricate.outlines import disc, mends, narrowest
-from riot.fabricate.parameters import ALLOWED
 from riot.fabricate.solid import extruded, genus, make_parts
 from riot.fabricate.telescope import make_telescope
-from riot.groundtruth import dudeney, exact_pair, exact_transform
-from riot.motion.motion import LIFT, Motion
-from riot.polyline import extent, signed_area
-from riot.transform import Transform
+from riot.geometry.polyline import extent, signed_area
+from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
+from riot.parameters.fabrication import ALLOWED
+from riot.transform.motion import LIFT, Motion
+from riot.transform.transform import Transform
 
 PAIRS = ((3, 1), (5, 1), (6, 2))
 

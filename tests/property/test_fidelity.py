@@ -11,8 +11,8 @@ from blobs import blob_polygon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.fidelity import SCALE, bending_energy, bending_ratio, direction_error
-from riot.shape import FloatArray
+from riot.transform.fidelity import SCALE, bending_energy, bending_ratio, direction_error
+from riot.types import FloatArray
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 

@@ -11,10 +11,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.groundtruth import TOPOLOGIES, ExactPair, Topology, dudeney, exact_pair, exact_transform
-from riot.polyline import centroid, edge_lengths, interior_angles, is_simple, signed_area
-from riot.pose import rotate
-from riot.shape import FloatArray
+from riot.geometry.polyline import centroid, edge_lengths, interior_angles, is_simple, signed_area
+from riot.groundtruth.pairs import TOPOLOGIES, ExactPair, Topology, dudeney, exact_pair, exact_transform
+from riot.transform.pose import rotate
+from riot.types import FloatArray
 
 pairs = st.builds(
     lru_cache(exact_pair),  # the tests below ask for the same ones

@@ -12,19 +12,19 @@ from blobs import blob, pair_shapes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.construct.given import given_pair
-from riot.construct.laplacian import construct_laplacian
-from riot.construct.laplacian.contact import CONTACT, Arcs
-from riot.construct.laplacian.method import tile
-from riot.construct.laplacian.phases import close_gaps, part_overlaps, scale_arcs
-from riot.construct.laplacian.residual import residuals
-from riot.construct.make import construct_plan
-from riot.construct.plan import Plan, TrunkPair, plan_pair
-from riot.cross import best_trunk_pairs
-from riot.groundtruth import dudeney, exact_pair, exact_transform
-from riot.parameters import ConstructParameters
-from riot.riotfile import from_json, to_json
-from riot.shape import FloatArray
+from riot.construction.given import given_pair
+from riot.construction.laplacian import construct_laplacian
+from riot.construction.laplacian.contact import CONTACT, Arcs
+from riot.construction.laplacian.method import tile
+from riot.construction.laplacian.phases import close_gaps, part_overlaps, scale_arcs
+from riot.construction.laplacian.residual import residuals
+from riot.construction.make import construct_plan
+from riot.construction.plan import Plan, TrunkPair, plan_pair
+from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
+from riot.parameters.method import ConstructParameters
+from riot.scores.crs import best_trunk_pairs
+from riot.transform.riot_file import from_json, to_json
+from riot.types import FloatArray
 
 PARAMETERS = ConstructParameters()
 SEEDS = st.integers(0, 10_000)

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.construct.laplacian.editing import edit
-from riot.shape import BoolArray, FloatArray
+from riot.construction.laplacian.editing import edit
+from riot.types import BoolArray, FloatArray
 
 SEEDS = st.integers(0, 10_000)
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot.kernels.collide import clear_share, separation
-from riot.shape import FloatArray, IntArray
+from riot.types import FloatArray, IntArray
 
 
 def blob(rng: np.random.Generator, size: float = 1.0) -> FloatArray:

@@ -11,15 +11,15 @@ from blobs import blob, pair_shapes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.cross import gaussian
-from riot.groundtruth import exact_pair
+from riot.groundtruth.pairs import exact_pair
 from riot.kernels import leaves as leaf_kernels
 from riot.kernels import search as search_kernels
 from riot.kernels.leaves import FEATURES, LEAF, features
-from riot.leaves import gather_leaves
-from riot.parameters import QcrsParameters
-from riot.quick import TrunkStack, brute_force, qcrs, score_block, score_pairs, stack
-from riot.trunks import Trunks, full_trunks, quick_trunks
+from riot.parameters.method import QcrsParameters
+from riot.scores.crs import gaussian
+from riot.scores.leaves import gather_leaves
+from riot.scores.qcrs import TrunkStack, brute_force, qcrs, score_block, score_pairs, stack
+from riot.scores.trunks import Trunks, full_trunks, quick_trunks
 from riot.units import D_C
 
 SEEDS = st.integers(0, 10_000)

@@ -14,14 +14,14 @@ import shapely
 from blobs import blob
 
 from riot import ConstructionError, FormatError, Shape, construct
-from riot.construct.draft import Draft, draft_plan
-from riot.construct.match import LEAF
-from riot.construct.pinning import TOLERANCE
-from riot.construct.pins import Pin, Pins, draw, keep, load_pins, pins_from_json
-from riot.construct.plan import Plan
-from riot.cross import best_trunk_pairs
-from riot.parameters import ConstructParameters
-from riot.shape import FloatArray
+from riot.construction.draft import Draft, draft_plan
+from riot.construction.match import LEAF
+from riot.construction.pinning import TOLERANCE
+from riot.construction.pins import Pin, Pins, draw, keep, load_pins, pins_from_json
+from riot.construction.plan import Plan
+from riot.parameters.method import ConstructParameters
+from riot.scores.crs import best_trunk_pairs
+from riot.types import FloatArray
 from riot.units import L_C
 
 
@@ -35,7 +35,7 @@ def blob_draft() -> Draft:
         drafts.append(draft_plan(plan, parameters))
         return drafts[-1]
 
-    with mock.patch.object(importlib.import_module("riot.construct.make"), "draft_plan", record):
+    with mock.patch.object(importlib.import_module("riot.construction.make"), "draft_plan", record):
         for score in best_trunk_pairs(a, b, count=16):
             with contextlib.suppress(ConstructionError):
                 construct(a, b, (a.points[score.trunk_a], b.points[score.trunk_b]))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.batches import cut
+from pipeline.plan.batches import cut
 
 
 def digests(count: int, salt: str = "") -> list[str]:

@@ -12,9 +12,9 @@ import pytest
 from edited_project import ALL, EDITS, PICTURES, Edit, Project, finished_once
 from rich.console import Console
 
-from pipeline.causes import NOT_DONE, Causes
-from pipeline.explain import show_explanation
-from pipeline.store import folder_name
+from pipeline.plan.causes import NOT_DONE, Causes
+from pipeline.plan.explain import show_explanation
+from pipeline.store.store import folder_name
 
 CAUSE = re.compile(r"(?:code|versions)\.[\w.-]+|parameters\.\S+ \S+ → \S+|picture [^;]+|inputs:.*|new:.*|pictures in.*")
 
@@ -69,7 +69,7 @@ def test_what_a_stopped_run_left_undone_is_no_edit(finished: Project, stage: str
 
 
 def test_two_edits_are_both_named(finished: Project) -> None:
-    finished.picture("kind2-2.png", 77).edit("pipeline.work.qcrs", "def run(", "EDITED = 1\n\n\ndef run(")
+    finished.picture("kind2-2.png", 77).edit("pipeline.stages.qcrs", "def run(", "EDITED = 1\n\n\ndef run(")
     found = causes(finished)
     with_both = {text for text in found["qcrs"] if "picture replaced: kind2-2.png" in text}
     assert with_both and all("code.pipeline.work.qcrs" in text for text in found["qcrs"])

@@ -8,11 +8,11 @@ import pytest
 from edited_project import CODE, LIBRARIES, PARAMETERS, Edit, Project
 from integration.small_runs import draw
 
-from pipeline.accept import accept
-from pipeline.artifact import Artifact
-from pipeline.datasets import collect
-from pipeline.plan import WorkItem, make_plan
-from pipeline.store import State, Store
+from pipeline.datasets.collection import collect
+from pipeline.plan.plan import WorkItem, make_plan
+from pipeline.store.accept import accept
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import State, Store
 
 Keys = dict[tuple[str, tuple[int, ...]], str]
 """Key of every work item, by stage and the shapes that it concerns."""
@@ -70,7 +70,9 @@ def test_an_accepted_edit_redoes_nothing(project: Project, tmp_path: Path) -> No
     for item in items:
         listed.setdefault(item.stage, []).append(item.key)
     assert accept(store, listed).accepted == {}
-    project.edit("riot.polyline", "def signed_area(", "def same_area(points):\n    return 0\n\n\ndef signed_area(")
+    project.edit(
+        "riot.geometry.polyline", "def signed_area(", "def same_area(points):\n    return 0\n\n\ndef signed_area("
+    )
     renewed = project.plan()
     assert {store.state(*item.reference) for item in renewed} == {State.ABSENT}
     tried = accept(store, listed, dry_run=True)
@@ -88,7 +90,7 @@ def test_only_what_is_whole_is_accepted(project: Project, tmp_path: Path) -> Non
     store = Store(tmp_path / "store")
     items = project.plan()
     stored(store, items)
-    project.edit("pipeline.work.motion", "def run(", "EDITED = 1\n\n\ndef run(")
+    project.edit("pipeline.stages.motion", "def run(", "EDITED = 1\n\n\ndef run(")
     store.files.remove(f"motion/{items[-1].key[:2]}/{items[-1].key}")
     with pytest.raises(KeyError):
         accept(store, {"motion": [items[-1].key]})

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from pipeline.keys import KeyParts, SharedText, canonical_value, digest_array
+from pipeline.plan.keys import KeyParts, SharedText, canonical_value, digest_array
 
 arrays = npst.arrays(
     dtype=st.sampled_from([np.float64, np.float32, np.int64, np.int32, np.int8, np.bool_]),
@@ -25,7 +25,7 @@ def parts(**changes: object) -> KeyParts:
         "stage": "trunks",
         "parameters": {"trunks": {"tau_s": 0.1, "max_vertices": 8}},
         "inputs": ("aa", "bb"),
-        "code": {"riot.trunks": "11", "riot.shape": "22"},
+        "code": {"riot.scores.trunks": "11", "riot.geometry.shape": "22"},
         "versions": {"numpy": "2.0"},
     }
     return KeyParts(**{**values, **changes})  # type: ignore[arg-type]
@@ -104,7 +104,7 @@ def test_dtype_and_shape_count() -> None:
         {"parameters": {"trunks": {"max_vertices": 8}}},
         {"inputs": ("bb", "aa")},
         {"inputs": ("aab", "b")},
-        {"code": {"riot.trunks": "12", "riot.shape": "22"}},
+        {"code": {"riot.scores.trunks": "12", "riot.geometry.shape": "22"}},
         {"versions": {"numpy": "2.1"}},
         {"schema": 2},
     ],
@@ -120,13 +120,13 @@ def test_text_that_keys_share_changes_no_key(inputs: tuple[str, ...]) -> None:
 
 
 def test_the_order_of_names_does_not_count() -> None:
-    assert parts(code={"riot.shape": "22", "riot.trunks": "11"}).key() == parts().key()
+    assert parts(code={"riot.geometry.shape": "22", "riot.scores.trunks": "11"}).key() == parts().key()
     assert parts(parameters={"trunks": {"max_vertices": 8, "tau_s": 0.1}}).key() == parts().key()
 
 
 def test_keys_are_the_same_in_every_process() -> None:
     script = (
-        "import numpy as np; from pipeline.keys import KeyParts, digest_array;"
+        "import numpy as np; from pipeline.plan.keys import KeyParts, digest_array;"
         "p = KeyParts('s', {'x': {'b': 1.5, 'a': None}, 'set': [1, 2]}, ('i',), {'m': 'd'}, {'v': '1'});"
         "print(p.key(), digest_array(np.arange(6.0).reshape(2, 3)))"
     )

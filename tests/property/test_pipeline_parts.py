@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.part import Part
+from pipeline.plan.part import Part
 
 sizes = st.integers(0, 9)
 

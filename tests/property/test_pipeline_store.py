@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from pipeline.artifact import Artifact, decode, encode
 from pipeline.errors import PayloadError
-from pipeline.keys import KeyParts
-from pipeline.places.local import MAPPED
-from pipeline.store import CHECKED, MANIFEST, PAYLOAD, TEMPORARY, State, Store
+from pipeline.plan.keys import KeyParts
+from pipeline.store.artifact import Artifact, decode, encode
+from pipeline.store.filesystem.local import MAPPED
+from pipeline.store.store import CHECKED, MANIFEST, PAYLOAD, TEMPORARY, State, Store
 
 names = st.text(alphabet="abcdefg_", min_size=1, max_size=6)
 values = npst.arrays(

@@ -1,4 +1,4 @@
-"""Properties of `riot.polyline`."""
+"""Properties of `riot.geometry.polyline`."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot import polyline
+from riot.geometry import polyline
 from riot.kernels.simplify import halved
-from riot.shape import FloatArray
+from riot.types import FloatArray
 
 
 def star_shaped(seed: int, m: int = 60) -> FloatArray:

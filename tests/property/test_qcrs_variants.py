@@ -7,11 +7,11 @@ import pytest
 from blobs import blob
 from scipy.stats import kendalltau
 
-from riot.cross import crs
-from riot.parameters import QCRS_VARIANTS, QcrsParameters
-from riot.quick import brute_force, qcrs, score_block, stack
-from riot.reversibility import Reversibility
-from riot.trunks import Trunks, compared_trunks, full_trunks, quick_trunks
+from riot.parameters.method import QCRS_VARIANTS, QcrsParameters
+from riot.scores.crs import crs
+from riot.scores.qcrs import brute_force, qcrs, score_block, stack
+from riot.scores.reversibility import Reversibility
+from riot.scores.trunks import Trunks, compared_trunks, full_trunks, quick_trunks
 
 SHAPES = [blob(seed, waves=6) for seed in range(8)]
 

@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from blobs import blob, pair_shapes
 
-from riot.construct.choose import drop_without_contact, refine_best
-from riot.construct.given import given_pair
-from riot.construct.make import construct_plan
-from riot.construct.plan import Plan, TrunkPair, plan_pair
-from riot.construct.refine import refine
-from riot.cross import best_trunk_pairs
+from riot.construction.choose import drop_without_contact, refine_best
+from riot.construction.given import given_pair
+from riot.construction.make import construct_plan
+from riot.construction.plan import Plan, TrunkPair, plan_pair
+from riot.construction.refine import refine
 from riot.errors import ConstructionError
-from riot.groundtruth import exact_pair
+from riot.geometry.polyline import edge_lengths
+from riot.geometry.shape import Shape
+from riot.groundtruth.pairs import exact_pair
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, edge_differences, tangential
-from riot.parameters import ConstructParameters, RefineParameters
-from riot.polyline import edge_lengths
-from riot.pose import rotate
-from riot.shape import Shape
+from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.scores.crs import best_trunk_pairs
+from riot.transform.pose import rotate
 from riot.units import D_C
 
 PARAMETERS = RefineParameters()

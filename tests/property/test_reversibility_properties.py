@@ -10,10 +10,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from riot.geometry.polyline import arc_length, centroid, insert_midpoints, signed_area
+from riot.geometry.shape import Shape
 from riot.kernels.segments import contains, inscribed
-from riot.polyline import arc_length, centroid, insert_midpoints, signed_area
-from riot.reversibility import Reversibility, concave_points, cut_off, reversibility, roundness
-from riot.shape import FloatArray, Shape
+from riot.scores.reversibility import Reversibility, concave_points, cut_off, reversibility, roundness
+from riot.types import FloatArray
 from riot.units import D_C, L_C
 
 

@@ -8,10 +8,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot import polyline
-from riot.parameters import ShapeParameters
-from riot.shape import FloatArray, Shape
-from riot.silhouette import mask_shape, polygon_shape
+from riot.geometry import polyline
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import mask_shape, polygon_shape
+from riot.parameters.method import ShapeParameters
+from riot.types import FloatArray
 from riot.units import L_C
 
 SEEDS = st.integers(0, 10_000)

@@ -14,11 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from riot.shape import FloatArray
 from riot.slices import Cut, Model, ModelError, cut
 from riot.slices.assign import assign
 from riot.slices.cut import AXES, Axis, section
 from riot.slices.render import _buffer
+from riot.types import FloatArray
 
 SIDES = 64
 SPAN = st.floats(5.0, 80.0)

@@ -13,13 +13,13 @@ from blobs import blob_polygon
 from PIL import Image
 
 from riot import Shape, SilhouetteError, Transform
-from riot.groundtruth import exact_pair, exact_transform
-from riot.polyline import signed_area
-from riot.shape import FloatArray
-from riot.texture.names import PATTERNS, SIDES, Side
-from riot.texture.paint import PictureTexture, PlainTexture, pattern_texture, picture_texture
-from riot.texture.source import TextureError, load_picture
-from riot.texture.warp import Warp, WarpError, make_warp, warp_side
+from riot.draw.texture.names import PATTERNS, SIDES, Side
+from riot.draw.texture.paint import PictureTexture, PlainTexture, pattern_texture, picture_texture
+from riot.draw.texture.source import TextureError, load_picture
+from riot.draw.texture.warp import Warp, WarpError, make_warp, warp_side
+from riot.geometry.polyline import signed_area
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.types import FloatArray
 
 
 @pytest.fixture(scope="module")

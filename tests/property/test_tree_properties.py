@@ -9,8 +9,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.polyline import interior_angles, signed_area
-from riot.tree import PlanarTree, embed, path, random_tree, star, walk
+from riot.geometry.polyline import interior_angles, signed_area
+from riot.groundtruth.tree import PlanarTree, embed, path, random_tree, star, walk
 
 
 def draw(seed: int, leaves: int, binary: bool) -> PlanarTree:

@@ -17,11 +17,11 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
-from pipeline.artifact import Artifact
 from pipeline.errors import PayloadError
-from pipeline.keys import KeyParts
-from pipeline.places.base import Files
-from pipeline.store import MANIFEST, PAYLOAD, State, Store, folder_name
+from pipeline.plan.keys import KeyParts
+from pipeline.store.artifact import Artifact
+from pipeline.store.filesystem.base import Files
+from pipeline.store.store import MANIFEST, PAYLOAD, State, Store, folder_name
 
 names = st.sampled_from(["a", "b", "c", "long-name_1.bin"])
 folders = st.sampled_from(["x", "x/y", "x/y/z", "w"])

@@ -10,15 +10,15 @@ import pytest
 from integration.small_runs import digests, pictures
 from stores.kit import PlaceKit, made, parts
 
-from pipeline.cache import BAD_START, OK, main
-from pipeline.config import ClusterConfig, Config, SelectConfig
-from pipeline.datasets import DatasetConfig
+from pipeline.cli.cache import BAD_START, OK, main
+from pipeline.config.schema import ClusterConfig, Config, SelectConfig
+from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import StartError
 from pipeline.flow import run_pipeline
-from pipeline.places.base import Files, Url, place_of
-from pipeline.places.choose import open_files
-from pipeline.places.local import LocalFiles
-from pipeline.store import State, Store
+from pipeline.store.filesystem.base import Files, Url, place_of
+from pipeline.store.filesystem.choose import open_files
+from pipeline.store.filesystem.local import LocalFiles
+from pipeline.store.store import State, Store
 
 
 class TestFolder(PlaceKit):

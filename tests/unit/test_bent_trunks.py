@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from riot.groundtruth import exact_pair, exact_transform
+from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.kernels.change import least_changes
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))

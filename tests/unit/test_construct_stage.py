@@ -9,25 +9,25 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pipeline.artifact import Artifact, decode, encode
-from pipeline.comparison import read_comparison
-from pipeline.config import make_config
+from pipeline.config.schema import make_config
 from pipeline.errors import ConfigError
-from pipeline.remarks import remarks
-from pipeline.tables import TRANSFORMS
-from pipeline.work import construct, paper
-from pipeline.work.crs import pack_scores
-from pipeline.work.items import pack_shapes
-from pipeline.work.refine import run as refine
-from riot.certify import change_ratio
-from riot.construct.laplacian import construct_laplacian
-from riot.cross import CrossScore
-from riot.groundtruth import exact_pair, exact_transform
-from riot.parameters import ConstructParameters, RefineParameters
-from riot.polyline import signed_area
-from riot.riotfile import from_json, to_json
-from riot.shape import Shape
-from riot.transform import Transform
+from pipeline.report.comparison import read_comparison
+from pipeline.stages import construct, paper
+from pipeline.stages.crs import pack_scores
+from pipeline.stages.items import pack_shapes
+from pipeline.stages.refine import run as refine
+from pipeline.store.artifact import Artifact, decode, encode
+from pipeline.tables.messages import remarks
+from pipeline.tables.schemas import TRANSFORMS
+from riot.construction.laplacian import construct_laplacian
+from riot.geometry.polyline import signed_area
+from riot.geometry.shape import Shape
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.scores.crs import CrossScore
+from riot.transform.certificate import change_ratio
+from riot.transform.riot_file import from_json, to_json
+from riot.transform.transform import Transform
 
 REACH = RefineParameters().reach
 SAMPLE = {"dataset": {"name": "sample", "kind": "sample"}}

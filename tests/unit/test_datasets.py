@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pipeline import datasets, sample
-from pipeline.datasets import Collection, DatasetConfig, DatasetError, class_of, collect
-from pipeline.item import open_item
+from pipeline.datasets import collection as datasets
+from pipeline.datasets import sample
+from pipeline.datasets.collection import Collection, DatasetConfig, DatasetError, class_of, collect
+from pipeline.datasets.item import open_item
 from riot.errors import RiotError, SilhouetteError
-from riot.polyline import is_simple
+from riot.geometry.polyline import is_simple
 
 
 def picture(path: Path, radius: float = 20.0) -> Path:

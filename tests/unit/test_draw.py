@@ -17,7 +17,7 @@ from riot.draw.panels import DETAIL, chain_marks, pose_marks, sketch
 from riot.draw.scene import Part, around, extent, moved, placed
 from riot.draw.svg import document, escape, path_data, turn
 from riot.errors import RiotError
-from riot.groundtruth import dudeney, exact_pair, exact_transform
+from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -13,21 +13,21 @@ import pytest
 import trimesh
 from colour_pictures import picture, placed
 
-from pipeline.artifact import Artifact, decode, encode
-from pipeline.config import FabricateConfig, make_config
-from pipeline.datasets import Collection
+from pipeline.config.schema import FabricateConfig, make_config
+from pipeline.datasets.collection import Collection
+from pipeline.datasets.item import Item
 from pipeline.errors import ConfigError
-from pipeline.item import Item
-from pipeline.plan import WorkItem, make_plan, plan_fabrications
-from pipeline.puzzles import SHARED
-from pipeline.remarks import remarks
+from pipeline.plan.plan import WorkItem, make_plan, plan_fabrications
 from pipeline.report.puzzles import puzzles
-from pipeline.stages import BY_NAME, recipe
-from pipeline.tables import FABRICATIONS
-from pipeline.work.fabricate import run
+from pipeline.stages.fabricate import run
+from pipeline.stages.registry import BY_NAME, recipe
+from pipeline.store.artifact import Artifact, decode, encode
+from pipeline.tables.messages import remarks
+from pipeline.tables.puzzles import SHARED
+from pipeline.tables.schemas import FABRICATIONS
 from riot.fabricate import FabricationParameters
-from riot.groundtruth import exact_pair, exact_transform
-from riot.riotfile import from_json, to_json
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.riot_file import from_json, to_json
 
 PLANNED = Artifact({}, {"riot": to_json(exact_transform(exact_pair(3, 1)).planned())})
 SAMPLE = {"dataset": {"name": "sample", "kind": "sample"}}

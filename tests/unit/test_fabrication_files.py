@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from riot.cli import main
+from riot.cli.main import main
 from riot.fabricate import Design, FabricationError, FabricationParameters, design
 from riot.fabricate.certificate import FabricationCertificate, certify
-from riot.fabricate.files import stl_bytes, write_puzzle
+from riot.fabricate.export.solids import stl_bytes, write_puzzle
 from riot.fabricate.plates import SPACE_MM, lay_out
 from riot.fabricate.solid import Part, make_parts
-from riot.groundtruth import dudeney, exact_pair, exact_transform
+from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 
 Made = tuple[Design, tuple[Part, ...], FabricationCertificate]
 

@@ -15,19 +15,11 @@ from svgelements import SVG
 from svgelements import Path as SvgPath
 
 from riot.fabricate import Design, FabricationError, FabricationParameters, design
-from riot.fabricate import flat as flat_module
-from riot.fabricate.flat import (
-    KINDS,
-    DxfError,
-    FlatFormatError,
-    Kind,
-    parts_of,
-    write_flat,
-    write_flat_files,
-)
+from riot.fabricate.export import flat as flat_module
+from riot.fabricate.export.flat import KINDS, DxfError, FlatFormatError, Kind, parts_of, write_flat, write_flat_files
 from riot.fabricate.shelves import shelves
-from riot.groundtruth import exact_pair, exact_transform
-from riot.shape import FloatArray
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.types import FloatArray
 
 SPACE = "{http://www.w3.org/2000/svg}"
 

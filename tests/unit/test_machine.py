@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from PIL import Image, ImageFile
 
-from riot import svgfile
 from riot.errors import SilhouetteError
-from riot.machine import is_of_machine
-from riot.picture import decode
-from riot.silhouette import read
+from riot.geometry import svg_document as svgfile
+from riot.geometry.machine_errors import is_of_machine
+from riot.geometry.picture import decode
+from riot.geometry.silhouette import read
 
 OF_MACHINE = (
     "EMFILE",

@@ -14,13 +14,13 @@ import pytest
 import shapely
 
 from riot import FormatError, Transform
-from riot.groundtruth import dudeney, exact_pair, exact_transform
+from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import Motion, MotionParameters, plan_motion
 from riot.motion.search import Stretch, find
-from riot.pose import direction
-from riot.riotfile import from_json, to_json
-from riot.shape import FloatArray
-from riot.transform import Piece
+from riot.transform.pose import direction
+from riot.transform.riot_file import from_json, to_json
+from riot.transform.transform import Piece
+from riot.types import FloatArray
 
 KNOB = np.array([0, 0.45, 0.45 + 0.06j, 0.35 + 0.06j, 0.35 + 0.14j, 0.65 + 0.14j, 0.65 + 0.06j, 0.55 + 0.06j, 0.55, 1])
 """An arc from 0 to 1 with the head of a T on it: two pieces that share it are locked like those of a jigsaw puzzle."""
@@ -190,7 +190,7 @@ def test_planning_is_deterministic() -> None:
 
 def test_every_search_finds_a_way_where_all_are_free() -> None:
     from riot.motion.bodies import make_bodies
-    from riot.motion.motion import SEARCHES
+    from riot.transform.motion import SEARCHES
 
     made = exact_transform(dudeney())
     bodies = make_bodies(made, MotionParameters())

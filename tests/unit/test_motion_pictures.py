@@ -14,16 +14,16 @@ import pytest
 from PIL import Image
 
 from riot import RiotError, Transform
-from riot.cli import main
+from riot.cli.main import main
 from riot.draw import animate_svg, draw_strip, write_film
 from riot.draw.course import SECONDS, STEP, calm, eased, loop_seconds, motion_marks, stacking
 from riot.draw.film import MODULE, FilmError
 from riot.draw.panels import sketch
 from riot.draw.scene import Dot, Part, extent
 from riot.draw.strip import POSES, strip_scene
-from riot.groundtruth import dudeney, exact_pair, exact_transform
+from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import Motion, plan_motion
-from riot.motion.motion import LIFT
+from riot.transform.motion import LIFT
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -6,15 +6,15 @@ import json
 
 import pytest
 
-from pipeline.artifact import Artifact, decode, encode
-from pipeline.config import make_config
+from pipeline.config.schema import make_config
 from pipeline.errors import ConfigError
-from pipeline.remarks import remarks
-from pipeline.tables import TRANSFORMS
-from pipeline.work.motion import COLUMNS, run
-from riot.groundtruth import exact_pair, exact_transform
+from pipeline.stages.motion import COLUMNS, run
+from pipeline.store.artifact import Artifact, decode, encode
+from pipeline.tables.messages import remarks
+from pipeline.tables.schemas import TRANSFORMS
+from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.motion import MotionParameters
-from riot.riotfile import from_json, to_json
+from riot.transform.riot_file import from_json, to_json
 
 MADE = to_json(exact_transform(exact_pair(4, 2)))
 

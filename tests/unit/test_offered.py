@@ -30,7 +30,7 @@ def test_every_name_is_what_its_module_has(package: ModuleType, offered: ModuleT
 
 
 def test_names_shared_with_modules_are_the_functions_in_any_order() -> None:
-    imported = "import riot.trunks, riot.construct, riot.reversibility, riot.fabricate.design"
+    imported = "import riot.scores.trunks, riot.construction, riot.scores.reversibility, riot.fabricate.design"
     named = "from riot import trunks, construct, reversibility\nfrom riot.fabricate import design"
     for first, then in ((imported, named), (named, imported)):
         assert says(f"{first}\n{then}\nprint(*map(callable, (trunks, construct, reversibility, design)))") == (
@@ -40,6 +40,8 @@ def test_names_shared_with_modules_are_the_functions_in_any_order() -> None:
 
 
 def test_errors_and_parameters_load_no_numeric_library() -> None:
-    imported = "import sys, riot.errors, riot.motion.parameters, riot.fabricate.parameters\nfrom riot import parameters"
+    imported = (
+        "import sys, riot.errors, riot.parameters.motion, riot.parameters.fabrication\nfrom riot import parameters"
+    )
     listed = "print([name for name in ('numba', 'scipy', 'shapely') if name in sys.modules])"
     assert says(f"{imported}\n{listed}") == "[]\n"

@@ -11,15 +11,15 @@ import shapely
 from colour_pictures import picture, placed
 from PIL import Image
 
-from pipeline.artifact import Artifact, decode, encode
-from pipeline.colour import may_be_coloured
-from pipeline.remarks import remarks
-from pipeline.skins import FOLDER, read_skins
-from pipeline.work.paint import run, unpack_skins
+from pipeline.datasets.colours import may_be_coloured
+from pipeline.stages.paint import run, unpack_skins
+from pipeline.store.artifact import Artifact, decode, encode
+from pipeline.tables.messages import remarks
+from pipeline.tables.textures import FOLDER, read_skins
 from riot.draw.skin import PLAIN
-from riot.groundtruth import exact_pair, exact_transform
-from riot.riotfile import to_json
-from riot.transform import Transform
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.riot_file import to_json
+from riot.transform.transform import Transform
 
 
 @pytest.fixture(scope="module")

@@ -15,18 +15,18 @@ from matplotlib.text import Text
 from PIL import Image
 
 from riot.draw.figure import PictureFormatError
+from riot.draw.texture.names import Side
+from riot.draw.texture.paint import PlainTexture, find_textures
+from riot.draw.texture.source import ByteArray
 from riot.fabricate import Design, FabricationParameters, design
-from riot.fabricate.flat import FlatFormatError
-from riot.fabricate.page import write_page
-from riot.fabricate.paper import Frame, Page
-from riot.fabricate.paperwork import write_paperwork
-from riot.fabricate.picture import DOTS_PER_INCH, ELEVATION, draw_puzzle
-from riot.fabricate.sheets import face, painted, sheet_pages, write_sheets
-from riot.groundtruth import exact_pair, exact_transform
-from riot.shape import FloatArray
-from riot.texture.names import Side
-from riot.texture.paint import PlainTexture, find_textures
-from riot.texture.source import ByteArray
+from riot.fabricate.export.flat import FlatFormatError
+from riot.fabricate.export.page import write_page
+from riot.fabricate.export.paper import Frame, Page
+from riot.fabricate.export.paperwork import write_paperwork
+from riot.fabricate.export.picture import DOTS_PER_INCH, ELEVATION, draw_puzzle
+from riot.fabricate.export.sheets import face, painted, sheet_pages, write_sheets
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.types import FloatArray
 
 SIDES: tuple[Side, Side] = ("p", "q")
 RED = (255, 0, 0)
@@ -138,7 +138,7 @@ def words(page: Page) -> str:
 
 
 def test_assembly_page_tells_all(made: Design, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    from riot.fabricate import page as module
+    from riot.fabricate.export import page as module
 
     seen: list[str] = []
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pipeline.admission import NAMED, Admission, identity, objection
-from pipeline.closure import code_digests, library_versions
-from pipeline.stages import STAGES
+from pipeline.plan.code_digest import code_digests, library_versions
+from pipeline.runtime.admission import NAMED, Admission, identity, objection
+from pipeline.stages.registry import STAGES
 
 
 def other(**changes: dict[str, str]) -> dict[str, Any]:
@@ -29,7 +29,7 @@ def test_objections_name_what_differs() -> None:
     assert objection(own, (own, True), Path("store")) == ""
     said = objection(own, (other(versions={"numpy": "1.0"}), True), None)
     assert "versions.numpy '1.0' →" in said and "install" in said
-    assert "code.riot.trunks" in objection(own, (other(code={"riot.trunks": "0" * 32}), True), None)
+    assert "code.riot.trunks" in objection(own, (other(code={"riot.scores.trunks": "0" * 32}), True), None)
     changed = dict.fromkeys(own["code"], "0" * 32)
     assert f"and {len(changed) - NAMED} more" in objection(own, (other(code=changed), True), None)
     assert "store=DIR" in objection(own, (own, False), Path("store"))
@@ -85,5 +85,5 @@ def test_workers_may_go_and_come_back(tmp_path: Path) -> None:
     cluster.workers = {}
     assert admission.threads() == {} == admission.threads()
     assert told == ["all workers have gone: waiting for others to join"]
-    cluster.workers = {"good": lambda ask: (other(code={"riot.trunks": ""}), True)}  # another process at its address
+    cluster.workers = {"good": lambda ask: (other(code={"riot.scores.trunks": ""}), True)}  # another process there
     assert admission.threads() == {} and "is refused" in told[-1]

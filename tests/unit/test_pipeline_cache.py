@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.artifact import Artifact
-from pipeline.cache import BAD_START, DAMAGED, OK, main
-from pipeline.keys import KeyParts
-from pipeline.record import ARTIFACTS
-from pipeline.store import PAYLOAD, State, Store
+from pipeline.cli.cache import BAD_START, DAMAGED, OK, main
+from pipeline.plan.keys import KeyParts
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import PAYLOAD, State, Store
+from pipeline.tables.record import ARTIFACTS
 
 
 @pytest.fixture

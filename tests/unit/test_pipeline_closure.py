@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.closure import closure, code_digests, library_versions, module_digest
-from pipeline.stages import STAGES
+from pipeline.plan.code_digest import closure, code_digests, library_versions, module_digest
+from pipeline.stages.registry import STAGES
 
 SOURCE = '''"""About the module."""
 import numpy as np
@@ -104,10 +104,14 @@ def test_stages_know_their_code_and_libraries() -> None:
     for stage in STAGES:
         code = code_digests(stage.module)
         assert stage.module in code
-        assert "pipeline.store" not in code and "pipeline.config" not in code and "pipeline.cluster" not in code
-        assert "riot.parameters" not in code
+        assert (
+            "pipeline.store.store" not in code
+            and "pipeline.config.schema" not in code
+            and "pipeline.runtime.cluster" not in code
+        )
+        assert "riot.parameters.method" not in code
         assert "numpy" in library_versions(stage.module)
-    qcrs = library_versions("pipeline.work.qcrs")
+    qcrs = library_versions("pipeline.stages.qcrs")
     assert {"numba", "llvmlite"} <= qcrs.keys() and not {"dask", "hydra-core", "pyarrow"} & qcrs.keys()
-    assert "riot.quick" in code_digests("pipeline.work.qcrs")
-    assert "riot.quick" not in code_digests("pipeline.work.ingest")
+    assert "riot.scores.qcrs" in code_digests("pipeline.stages.qcrs")
+    assert "riot.scores.qcrs" not in code_digests("pipeline.stages.ingest")

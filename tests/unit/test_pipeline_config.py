@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.closure import ROOT
-from pipeline.command import (
+from pipeline.config.command_line import (
     allowed_names,
     check_command,
     complete,
@@ -17,9 +16,10 @@ from pipeline.command import (
     sweep_values,
     swept_over,
 )
-from pipeline.config import ClusterConfig, Config, SelectConfig, make_config
-from pipeline.datasets import DatasetConfig
+from pipeline.config.schema import ClusterConfig, Config, SelectConfig, make_config
+from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import ConfigError
+from pipeline.plan.code_digest import ROOT
 
 SAMPLE = {"name": "sample", "kind": "sample"}
 

@@ -10,9 +10,9 @@ import pytest
 
 import pipeline.flow
 import pipeline.run
-from pipeline.datasets import DatasetError
+from pipeline.datasets.collection import DatasetError
 from pipeline.errors import PayloadError, StartError
-from pipeline.exits import BAD_START, FAILED
+from pipeline.exit_codes import BAD_START, FAILED
 from pipeline.run import main
 from riot.errors import ConstructionError, RiotError
 

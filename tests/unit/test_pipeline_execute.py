@@ -10,17 +10,17 @@ from typing import Any
 
 import pytest
 
-from pipeline import perform as perform_module
-from pipeline.artifact import Artifact
-from pipeline.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask, _receipts, open_cluster
-from pipeline.config import ClusterConfig
-from pipeline.events import Event, ItemDone, StageEnded, StageStarted
-from pipeline.execute import MAX_TRIES, Run, bundles, tiles
-from pipeline.keys import KeyParts
-from pipeline.perform import Failure, Receipt
-from pipeline.plan import WorkItem
-from pipeline.stages import Work
-from pipeline.store import PAYLOAD, State, Store
+from pipeline.config.schema import ClusterConfig
+from pipeline.plan.keys import KeyParts
+from pipeline.plan.plan import WorkItem
+from pipeline.runtime import worker as perform_module
+from pipeline.runtime.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask, _receipts, open_cluster
+from pipeline.runtime.events import Event, ItemDone, StageEnded, StageStarted
+from pipeline.runtime.execute import MAX_TRIES, Run, bundles, tiles
+from pipeline.runtime.worker import Failure, Receipt
+from pipeline.stages.registry import Work
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import PAYLOAD, State, Store
 
 
 def item(name: str, sources: tuple[tuple[str, str], ...] = (), stage: str = "crs") -> WorkItem:
@@ -148,7 +148,7 @@ def test_a_tile_is_between_so_many_inputs_and_so_many_others() -> None:
 
 
 def test_a_worker_refuses_to_write_what_other_code_computes(tmp_path: Path) -> None:
-    stale = WorkItem(KeyParts("select", {}, (), {"pipeline.work.select": "0"}, {}), (), (), None, ())
+    stale = WorkItem(KeyParts("select", {}, (), {"pipeline.stages.select": "0"}, {}), (), (), None, ())
     (receipt,) = Here().run(str(tmp_path), [[stale]])
     assert receipt.failure is not None and "code" in receipt.failure.message
     assert Store(tmp_path).state("select", stale.key) is State.ABSENT

@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from pipeline.artifact import Artifact
-from pipeline.causes import NOT_DONE, Causes, explain, gather
-from pipeline.keys import KeyParts
-from pipeline.plan import WorkItem
-from pipeline.store import PAYLOAD, Store
+from pipeline.plan.causes import NOT_DONE, Causes, explain, gather
+from pipeline.plan.keys import KeyParts
+from pipeline.plan.plan import WorkItem
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import PAYLOAD, Store
 
 
 def parts(**changes: Any) -> KeyParts:
@@ -19,7 +19,7 @@ def parts(**changes: Any) -> KeyParts:
         "stage": "crs",
         "parameters": {"crs": {"lines": 128, "sigma_e": 0.1}},
         "inputs": ("a", "b"),
-        "code": {"riot.cross": "aaaaaaaaaaaa"},
+        "code": {"riot.scores.crs": "aaaaaaaaaaaa"},
         "versions": {"numpy": "2.0"},
     }
     return KeyParts(**{**values, **changes})
@@ -29,8 +29,8 @@ def parts(**changes: Any) -> KeyParts:
     ("changes", "words"),
     [
         ({"parameters": {"crs": {"lines": 64, "sigma_e": 0.1}}}, "parameters.crs.lines 128 → 64"),
-        ({"code": {"riot.cross": "bbbbbbbbbbbb"}}, "code.riot.cross aaaaaaaa → bbbbbbbb"),
-        ({"code": {"riot.cross": "aaaaaaaaaaaa", "riot.new": "cccccccccccc"}}, "code.riot.new absent → cccccccc"),
+        ({"code": {"riot.scores.crs": "bbbbbbbbbbbb"}}, "code.riot.cross aaaaaaaa → bbbbbbbb"),
+        ({"code": {"riot.scores.crs": "aaaaaaaaaaaa", "riot.new": "cccccccccccc"}}, "code.riot.new absent → cccccccc"),
         ({"versions": {"numpy": "2.1"}}, "versions.numpy '2.0' → '2.1'"),
         ({"inputs": ("a", "c")}, "inputs: 1 of 2 are new"),
         ({"inputs": ("b", "a")}, "inputs: known ones in a combination that is not done yet, or under other names"),
@@ -43,7 +43,7 @@ def test_what_changed_is_named(changes: dict[str, Any], words: str) -> None:
 
 def test_the_nearest_stored_key_is_compared() -> None:
     far = parts(
-        code={"riot.cross": "dddd"}, versions={"numpy": "1.0"}, parameters={"crs": {"lines": 1, "sigma_e": 9.0}}
+        code={"riot.scores.crs": "dddd"}, versions={"numpy": "1.0"}, parameters={"crs": {"lines": 1, "sigma_e": 9.0}}
     )
     found = explain(parts(versions={"numpy": "2.1"}).to_json(), gather([far.to_json(), parts().to_json()]))
     assert found == ("versions.numpy '2.0' → '2.1'",)

@@ -11,19 +11,19 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.guard import MAX_DEATHS, Guard, Guards
-from pipeline.keys import KeyParts
-from pipeline.perform import Receipt
-from pipeline.plan import WorkItem
+from pipeline.plan.keys import KeyParts
+from pipeline.plan.plan import WorkItem
+from pipeline.runtime.guard import MAX_DEATHS, Guard, Guards
+from pipeline.runtime.worker import Receipt
 
 LIMIT = 3.0
 
 SCRIPTED = '''
-"""Stands for pipeline.perform in the child: items do what their names say."""
+"""Stands for pipeline.runtime.worker in the child: items do what their names say."""
 import ctypes, os, time
 from dataclasses import dataclass
 from pathlib import Path
-import pipeline.perform as real
+import pipeline.runtime.worker as real
 
 def perform(root, items, kept):
     for item in items:
@@ -38,9 +38,9 @@ def perform(root, items, kept):
             os.kill(os.getpid(), 9)
         yield real.Receipt(item.stage, item.key, seconds=1.0)
 
-import pipeline.child, sys
-pipeline.child.perform = perform
-pipeline.child.main(int(sys.argv[-1]))
+import pipeline.runtime.guard_process, sys
+pipeline.runtime.guard_process.perform = perform
+pipeline.runtime.guard_process.main(int(sys.argv[-1]))
 '''
 
 
@@ -57,7 +57,7 @@ def scripted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     def start(arguments: list[str], **options: object) -> subprocess.Popen[bytes]:
         return started([arguments[0], str(script), arguments[-1]], stderr=subprocess.DEVNULL, **options)  # type: ignore[call-overload,no-any-return]
 
-    monkeypatch.setattr("pipeline.guard.subprocess.Popen", start)
+    monkeypatch.setattr("pipeline.runtime.guard.subprocess.Popen", start)
     return tmp_path
 
 
@@ -99,7 +99,7 @@ def test_a_guard_keeps_its_process_from_task_to_task(scripted: Path) -> None:
 def test_the_process_ends_with_its_worker(tmp_path: Path) -> None:
     """A killed worker closes nothing itself: the system does, and the child reads the end."""
     code = (
-        "import sys\nfrom pipeline.guard import Guard\nguard = Guard(None)\nguard._started()\n"
+        "import sys\nfrom pipeline.runtime.guard import Guard\nguard = Guard(None)\nguard._started()\n"
         "print(guard._process.pid, flush=True)\nsys.stdin.read()"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as worker:

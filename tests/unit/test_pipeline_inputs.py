@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.artifact import Artifact
 from pipeline.errors import PayloadError
-from pipeline.inputs import Inputs, Kept
-from pipeline.keys import KeyParts
-from pipeline.plan import Reference, WorkItem
-from pipeline.store import PAYLOAD, Store
+from pipeline.plan.keys import KeyParts
+from pipeline.plan.plan import Reference, WorkItem
+from pipeline.runtime.inputs import Inputs, Kept
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import PAYLOAD, Store
 
 SIZE = 800
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.artifact import Artifact, decode, encode
-from pipeline.work.trunk_arrays import pack_trunks, unpack_batch_trunks, unpack_trunks
-from riot.trunks import Trunks
+from pipeline.stages.trunk_arrays import pack_trunks, unpack_batch_trunks, unpack_trunks
+from pipeline.store.artifact import Artifact, decode, encode
+from riot.scores.trunks import Trunks
 
 
 def some_trunks(seed: int, count: int) -> Trunks:

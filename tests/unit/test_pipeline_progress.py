@@ -7,8 +7,8 @@ import io
 import pytest
 from rich.console import Console
 
-from pipeline.events import ItemDone, Note, StageEnded, StageStarted
-from pipeline.progress import show_progress, stage_line
+from pipeline.cli.progress import show_progress, stage_line
+from pipeline.runtime.events import ItemDone, Note, StageEnded, StageStarted
 
 ENDED = StageEnded("trunks", 7, 2, 3, 1, 1, 0.5, 0.5, 0.5, 10.0)
 HOSTILE = ("[red]x[/red].png", "[/]", "a:cat:b", "[link=file:///etc]y[/link]", "back\\[slash]", "[bold", "café ]] [[")

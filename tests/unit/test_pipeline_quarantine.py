@@ -8,17 +8,17 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.artifact import Artifact
-from pipeline.cluster import Bundle
-from pipeline.config import Config, make_config
-from pipeline.datasets import Collection
-from pipeline.events import Event, Note
-from pipeline.execute import Run
-from pipeline.item import Item
-from pipeline.perform import Failure, Receipt
-from pipeline.plan import Plan, WorkItem, make_plan
-from pipeline.quarantine import OF_SHAPES, bring_shapes
-from pipeline.store import Store
+from pipeline.config.schema import Config, make_config
+from pipeline.datasets.collection import Collection
+from pipeline.datasets.item import Item
+from pipeline.plan.plan import Plan, WorkItem, make_plan
+from pipeline.runtime.cluster import Bundle
+from pipeline.runtime.events import Event, Note
+from pipeline.runtime.execute import Run
+from pipeline.runtime.quarantine import OF_SHAPES, bring_shapes
+from pipeline.runtime.worker import Failure, Receipt
+from pipeline.store.artifact import Artifact
+from pipeline.store.store import Store
 
 HANGS = Failure("TimeLimit", "stopped after 600 s; raise cluster.limit, or leave the item out", 1, "time-limit")
 KILLS = Failure("ProcessLost", "it ended its process 2 times (SIGSEGV) and is set aside", 2, "quarantined")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.remarks import remarks, several
+from pipeline.tables.messages import remarks, several
 
 USUAL = {"shapes": 9, "classes": 3, "selected": 2, "without_trunks": 0, "ignored_files": 0, "blocked": 0}
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.work import select
-from pipeline.work.select import Block, Chosen, Limits, select_global, select_paper
+from pipeline.stages import select
+from pipeline.stages.select import Block, Chosen, Limits, select_global, select_paper
 
 COUNT = 12
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.config import Config, make_config
+from pipeline.config.schema import Config, make_config
 from pipeline.errors import ConfigError
-from pipeline.stages import BY_NAME, recipe
-from riot.parameters import QCRS_VARIANTS, QcrsParameters
+from pipeline.stages.registry import BY_NAME, recipe
+from riot.parameters.method import QCRS_VARIANTS, QcrsParameters
 
 
 def configured(**qcrs: object) -> Config:

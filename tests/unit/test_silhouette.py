@@ -11,10 +11,11 @@ import shapely
 from PIL import Image
 
 from riot.errors import RiotError, SilhouetteError
-from riot.parameters import ShapeParameters
-from riot.picture import decode
-from riot.shape import FloatArray, Shape
-from riot.silhouette import mask_shape, polygon_shape, read, read_image
+from riot.geometry.picture import decode
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import mask_shape, polygon_shape, read, read_image
+from riot.parameters.method import ShapeParameters
+from riot.types import FloatArray
 
 
 def disc(side: int = 64, radius: float = 20.0, at: tuple[float, float] = (32.0, 32.0)) -> FloatArray:

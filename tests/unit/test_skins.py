@@ -19,12 +19,12 @@ from riot.draw.plot import png
 from riot.draw.scene import Part, Scene, extent, placed
 from riot.draw.skin import Skins
 from riot.draw.svg import document, naming, piece_id
-from riot.groundtruth import exact_pair, exact_transform
-from riot.shape import FloatArray
-from riot.texture.names import SIDES, Side
-from riot.texture.skins import make_skins, painted
-from riot.texture.source import ByteArray
-from riot.transform import Transform
+from riot.draw.texture.names import SIDES, Side
+from riot.draw.texture.skins import make_skins, painted
+from riot.draw.texture.source import ByteArray
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 SPACE = "{http://www.w3.org/2000/svg}"
 

@@ -13,11 +13,11 @@ import shapely
 from PIL import Image, ImageDraw
 
 from riot import FormatError, Transform
-from riot.certify import boundary_distance, change_ratio, overlap_ratio
-from riot.cli import main
-from riot.groundtruth import exact_pair, exact_transform
-from riot.riotfile import from_json, to_json
-from riot.transform import Piece
+from riot.cli.main import main
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.certificate import boundary_distance, change_ratio, overlap_ratio
+from riot.transform.riot_file import from_json, to_json
+from riot.transform.transform import Piece
 
 
 @pytest.fixture(scope="module")

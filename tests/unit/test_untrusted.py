@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from riot import untrusted
 from riot.errors import FormatError, SilhouetteError
-from riot.groundtruth import exact_pair, exact_transform
-from riot.riotfile import MAX_PIECES, MAX_POINTS, from_json, load, to_json
-from riot.silhouette import polygon_shape, read
-from riot.untrusted import TooManyBytes, check_file, read_bytes
+from riot.geometry import limits as untrusted
+from riot.geometry.limits import TooManyBytes, check_file, read_bytes
+from riot.geometry.silhouette import polygon_shape, read
+from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.riot_file import MAX_PIECES, MAX_POINTS, from_json, load, to_json
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 100 100">'
 

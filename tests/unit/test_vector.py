@@ -9,10 +9,10 @@ import pytest
 import shapely
 
 from riot.errors import SilhouetteError
-from riot.parameters import ShapeParameters
-from riot.shape import Shape
-from riot.silhouette import read
-from riot.vector import outline
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import read
+from riot.geometry.svg_outline import outline
+from riot.parameters.method import ShapeParameters
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 100 100">'
 

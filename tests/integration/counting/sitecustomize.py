@@ -6,9 +6,9 @@ Only in the processes beside workers, which do their work.
 import os
 import sys
 
-if "pipeline.child" in sys.orig_argv:
-    import pipeline.threads  # noqa: F401  (before anything that loads a numeric library)
-    from pipeline.store import Store
+if "pipeline.runtime.guard_process" in sys.orig_argv:
+    import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
+    from pipeline.store.store import Store
 
     _put = Store.put
 

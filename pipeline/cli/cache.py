@@ -1,0 +1,248 @@
+"""``python -m pipeline.cache du|verify|gc|accept``: what the store holds, whether it is whole, what no run needs.
+
+``accept`` keeps a run's artifacts through an edit of the code that changes no result.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from pipeline.errors import PayloadError, StartError
+from pipeline.plan.code_digest import code_digests, library_versions
+from pipeline.plan.keys import SCHEMA, KeyParts
+from pipeline.stages.registry import STAGES
+from pipeline.store.accept import accept, parts_of
+from pipeline.store.filesystem.base import place_of
+from pipeline.store.store import State, Store, folder_name
+from pipeline.tables.messages import several
+from pipeline.tables.record import ARTIFACTS
+
+OK, DAMAGED, BAD_START = 0, 3, 2
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What a stage takes in the store."""
+
+    stage: str
+    artifacts: int
+    size: int
+    """Bytes of all its files."""
+    stale: int
+    stale_size: int
+    """How many of them are stale (see `stale`), and their bytes."""
+
+
+def usage(store: Store) -> list[Usage]:
+    """Artifacts and bytes by stage."""
+    old = stale(store)
+    found: dict[str, list[tuple[int, bool]]] = {}
+    for stage, key in store.folders():
+        size = sum(store.files.sizes(folder_name(stage, key)).values())
+        found.setdefault(stage, []).append((size, (stage, key) in old))
+    return [
+        Usage(stage, len(sizes), sum(size for size, _ in sizes), sum(old for _, old in sizes),
+              sum(size for size, old in sizes if old))
+        for stage, sizes in sorted(found.items())
+    ]  # fmt: skip
+
+
+def stale(store: Store) -> set[tuple[str, str]]:
+    """(stage, key) of every artifact that other code or libraries made than are here, or that stands on such a one.
+
+    No run with this code reads them, whatever its parameters and pictures; nor those whose manifest is damaged.
+    """
+    found: set[tuple[str, str]] = set()
+    names: set[str] = set()  # what names them as an input: their keys, and those of single shapes
+    makers = {**{stage.name: stage.module for stage in STAGES}, "index": "pipeline.match.index"}
+    for stage in dict.fromkeys((*makers, *store.files.names(""))):
+        module = makers.get(stage)
+        here = (code_digests(module), library_versions(module), SCHEMA) if module else None
+        for _, key in store.folders(stage):
+            parts = _parts(store, stage, key)
+            as_here = parts is not None and (parts.code, parts.versions, parts.schema) == here
+            if parts is not None and as_here and names.isdisjoint(parts.inputs):
+                continue
+            found.add((stage, key))
+            names.add(key)
+            if parts is not None and stage == "ingest":
+                names.update(alone.key() for alone in parts.each_input())
+    return found
+
+
+def _parts(store: Store, stage: str, key: str) -> KeyParts | None:
+    try:
+        entry = store.entry(stage, key)
+    except (PayloadError, OSError):
+        return None
+    return None if entry is None else parts_of(entry)
+
+
+def damaged(store: Store) -> list[tuple[str, str]]:
+    """(stage, key) of every artifact that is not whole, down to the last byte."""
+    return [(stage, key) for stage, key in store.folders() if store.state(stage, key) is not State.PRESENT]
+
+
+def needed(outputs: Path) -> tuple[set[tuple[str, str]], int]:
+    """(stage, key) of every artifact that a run below ``outputs`` stands on, and the number of those runs.
+
+    Raises `StartError` for a run whose list cannot be read: what it needs is not known.
+    """
+    keys: set[tuple[str, str]] = set()
+    runs = sorted(outputs.rglob(ARTIFACTS)) if outputs.is_dir() else []
+    for file in runs:
+        for stage, names in _keys_of_run(file).items():
+            keys.update((stage, name) for name in names)
+    return keys, len(runs)
+
+
+def garbage(store: Store, keep: set[tuple[str, str]]) -> Iterator[str]:
+    """Names of the folders of artifacts that are damaged or not in ``keep``, and of abandoned temporary files."""
+    yield from store.files.abandoned("")
+    for stage, key in store.folders():
+        folder = folder_name(stage, key)
+        if (stage, key) not in keep or store.state(stage, key) is not State.PRESENT:
+            yield folder
+        else:
+            yield from (f"{folder}/{name}" for name in store.files.abandoned(folder))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns 0, 3 when ``verify`` finds damage, 2 when there is nothing to work on."""
+    options = _parser().parse_args(arguments)
+    console = Console(highlight=False, soft_wrap=True)
+    store = Store(options.store)
+    try:
+        if not store.files.exists():
+            raise StartError(f"{store.root}: there is no store here; give --store PLACE")
+        if options.command == "du":
+            _show_usage(usage(store), console)
+            return OK
+        if options.command == "verify":
+            return _verify(store, console)
+        if options.command == "accept":
+            return _accept(store, options.run, options.dry_run, console)
+        with store.files.alone() as alone:
+            return _collect_garbage(store, options, alone, console)
+    except (StartError, OSError) as error:
+        console.print(str(error), markup=False)
+        return BAD_START
+
+
+def _show_usage(found: Sequence[Usage], console: Console) -> None:
+    table = Table()
+    table.add_column("stage")
+    table.add_column("artifacts", justify="right")
+    for title in ("MB", "stale", "stale MB"):
+        table.add_column(title, justify="right")
+    sums = (sum(getattr(one, name) for one in found) for name in ("artifacts", "size", "stale", "stale_size"))
+    for one in (*found, Usage("all", *sums)):
+        if one.stage == "all":
+            table.add_section()
+        megabytes = [f"{size / 1e6:,.1f}" for size in (one.size, one.stale_size)]
+        table.add_row(one.stage, f"{one.artifacts:,}", megabytes[0], f"{one.stale:,}", megabytes[1])
+    console.print(table)
+    console.print("Stale: made by other code or libraries than are here, or from what was.")
+
+
+def _verify(store: Store, console: Console) -> int:
+    found = damaged(store)
+    for stage, key in found:
+        console.print(f"corrupt or not committed: {stage}/{key}")
+    total = sum(1 for _ in store.folders())
+    console.print(
+        f"{several(total, 'artifact')}, {len(found)} damaged" + ("; the next run makes them again" if found else "")
+    )
+    return DAMAGED if found else OK
+
+
+def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, console: Console) -> int:
+    keep, runs = needed(options.outputs)
+    if options.stale:
+        keep -= stale(store)
+    if runs == 0:
+        raise StartError(
+            f"{options.outputs}: no finished run here names what it needs, so that everything would go; "
+            f"give --outputs DIR, or delete {store.root} yourself"
+        )
+    if not (alone or options.alone or options.dry_run):
+        raise StartError(
+            f"{store.root}: a run is using it, or it cannot be known whether one is, and what that has done so far "
+            "would go; wait until it has ended, or give --alone if there is none"
+        )
+    count = size = 0
+    for name in list(garbage(store, keep)):
+        count += 1
+        folder, _, file = name.rpartition("/")
+        size += sum(store.files.sizes(name).values()) or store.files.sizes(folder).get(file, 0)
+        if not options.dry_run:
+            store.files.remove(name)
+    verb = "would be deleted" if options.dry_run else "deleted"
+    what = several(count, "artifact or left-over file", "artifacts or left-over files")
+    keeping = several(runs, "run keeps", "runs keep")
+    console.print(f"{what}, {size / 1e6:,.1f} MB, {verb}; {keeping} {several(len(keep), 'artifact')}")
+    return OK
+
+
+def _accept(store: Store, run: Path, dry_run: bool, console: Console) -> int:
+    try:
+        found = accept(store, _keys_of_run(run / ARTIFACTS), dry_run=dry_run)
+    except (KeyError, PayloadError) as error:
+        said = error.args[0] if isinstance(error, KeyError) else error
+        raise StartError(
+            f"{store.root}: not all that {run} stands on is whole ({said}); run it again instead"
+        ) from error
+    for text, count in sorted(found.changes.items()):
+        console.print(f"  {count} × {text}", markup=False)
+    verb = "would be accepted" if dry_run else "accepted"
+    total = sum(found.accepted.values())
+    console.print(f"{several(total, 'artifact')} {verb} as what the code and libraries here would compute")
+    return OK
+
+
+def _keys_of_run(file: Path) -> dict[str, list[str]]:
+    try:
+        keys = json.loads(file.read_bytes())
+        return {str(stage): [str(key) for key in names] for stage, names in keys.items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise StartError(
+            f"{file}: cannot be read ({error}); run again, or remove the run's folder if it is not needed"
+        ) from error
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m pipeline.cache", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    for name, text in (
+        ("du", "what each stage takes"),
+        ("verify", "check every artifact down to the last byte"),
+        ("gc", "delete what no finished run below --outputs needs, and what is damaged"),
+        ("accept", "after an edit that changes no result: keep a run's artifacts for the code that is here now"),
+    ):
+        command = commands.add_parser(name, help=text, description=text)
+        command.add_argument("--store", type=place_of, default=Path("store"), help="folder or URL (default: store)")
+        if name == "gc":
+            command.add_argument("--outputs", type=Path, default=Path("outputs"), help="runs to keep for")
+            command.add_argument(
+                "--stale",
+                action="store_true",
+                help="also what finished runs need of other code or libraries than are here",
+            )
+            command.add_argument("--alone", action="store_true", help="no run is using the store: it cannot be known")
+        if name == "accept":
+            command.add_argument("--run", type=Path, required=True, help="folder of the run, as outputs/mpeg7")
+        if name in ("gc", "accept"):
+            command.add_argument("--dry-run", action="store_true", help="say what would be done, do nothing")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,20 @@
+"""Which pictures of a collection may have colours to show on the pieces."""
+
+from __future__ import annotations
+
+from PIL import Image
+
+from pipeline.datasets.item import Item
+from pipeline.datasets.sample import PREFIX
+from riot.geometry.picture import FORMATS
+
+
+def may_be_coloured(item: Item) -> bool:
+    """Whether an item is a picture that can be transparent, by its header; False for what cannot be opened."""
+    if item.source.startswith(PREFIX):
+        return False
+    try:
+        with Image.open(item.source, formats=FORMATS) as image:
+            return "A" in image.getbands() or "transparency" in image.info
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):  # as ingest will have said
+        return False

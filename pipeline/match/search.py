@@ -1,0 +1,218 @@
+"""The best partners of a new shape among those of a finished run: what was mined how, and the search."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+
+from pipeline.config.schema import Config, make_config
+from pipeline.errors import ConfigError, PayloadError, StartError
+from pipeline.match.index import load_index
+from pipeline.plan.causes import explain, gather
+from pipeline.plan.keys import digest_bytes
+from pipeline.stages.registry import BY_NAME, Recipe, recipe
+from pipeline.store.filesystem.base import Place, place_of
+from pipeline.store.store import Entry, Store
+from pipeline.tables.record import ARTIFACTS, RECORD, read_record
+from riot.geometry.shape import Shape
+from riot.geometry.silhouette import read
+from riot.scores.index import TrunkIndex, best_partners
+from riot.scores.qcrs import BlockScores, TrunkStack, stack
+from riot.scores.reversibility import reversibility
+from riot.scores.trunks import Trunks, compared_trunks
+from riot.types import IntArray
+
+SHAPES = "shapes.parquet"
+AGAIN = "the command that made the run makes it again, and computes only what is missing"
+
+
+@dataclass(frozen=True, eq=False)
+class Mined:
+    """A finished run, as far as a search needs it.
+
+    ``names``, ``classes`` and ``digests`` are by shape number. ``trunks`` are the keys of its batches of trunks,
+    in the collection's order, ``numbers`` (items,) int64 the shape number of each item of these batches, −1 without
+    a shape.
+    """
+
+    folder: Path
+    dataset: str
+    config: Config
+    store: Store
+    names: tuple[str, ...]
+    classes: tuple[str, ...]
+    digests: tuple[str, ...]
+    trunks: tuple[str, ...]
+    numbers: IntArray
+
+    @property
+    def unknown(self) -> int:
+        """How many shapes have no batch of trunks, because the work failed."""
+        return len(self.names) - int((self.numbers >= 0).sum())
+
+    def index(self, note: Callable[[str], None]) -> TrunkIndex:
+        """The index over all its trunks, saved or built anew (`load_index`); raises `StartError`."""
+        try:
+            return load_index(self.store, self.trunks, note)
+        except (KeyError, PayloadError, OSError) as error:
+            said = error.args[0] if isinstance(error, KeyError) else error
+            raise StartError(
+                f"{self.store.root}: trunks of {self.folder} are gone or altered ({said}); {AGAIN}"
+            ) from error
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """A shape to be matched: name and digest of its file, its trunks for QCRS, and the same for the search."""
+
+    name: str
+    digest: str
+    trunks: Trunks
+    stacked: TrunkStack
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """The partners found, best first (``scores.j`` are shape numbers), the shape that the query is itself, or None.
+
+    ``compared`` counts the shapes of which trunks were compared corner by corner.
+    """
+
+    scores: BlockScores
+    itself: int | None
+    compared: int
+
+
+def open_mined(folder: Path, store: Place | None = None) -> Mined:
+    """Read what a finished run in ``folder`` stands on; ``store``: where its store is now, if not where it was.
+
+    Raises `StartError` when there is no such run, it was mined by other code than is here, or its store is gone.
+    """
+    record = _record(folder)
+    config = _config(folder, record)
+    where = Store(store or place_of(record.get("store", config.store)))
+    if not where.files.exists():
+        moved = "give --store DIR if it was moved" if store is None else "give the folder that it is in now"
+        raise StartError(f"{where.root}: the store of {folder} is gone; {moved}; else {AGAIN}")
+    table = _shapes(folder, record)
+    number_of = {digest: number for number, digest in zip(table["shape"], table["digest"], strict=True)}
+    of_trunks, of_ingest = (recipe(BY_NAME[stage], config) for stage in ("trunks", "ingest"))
+    batches = []
+    for key in _artifact_keys(folder, "trunks"):
+        trunks = _entry(where, folder, of_trunks, key)
+        ingest = _entry(where, folder, of_ingest, trunks.parts["inputs"][0])
+        numbers = [number_of.get(digest, -1) for digest in ingest.parts["inputs"]]
+        if max(numbers) >= 0:
+            batches.append((max(numbers), key, numbers))
+    batches.sort()  # shapes are numbered in the order of the collection
+    return Mined(
+        folder=folder,
+        dataset=str(record["dataset"]),
+        config=config,
+        store=where,
+        names=tuple(table["name"]),
+        classes=tuple(table["class"]),
+        digests=tuple(table["digest"]),
+        trunks=tuple(key for _, key, _ in batches),
+        numbers=np.array([number for *_, numbers in batches for number in numbers], dtype=np.int64),
+    )
+
+
+def read_query(mined: Mined, path: Path) -> Query:
+    """Read a picture and find its trunks as the collection's were.
+
+    Raises `riot.errors.SilhouetteError`, or OSError when there is no such file.
+    """
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    trunks = trunks_as_mined(mined, read(path, mined.config.shape))
+    return Query(path.stem, digest, trunks, stack([trunks]))
+
+
+def trunks_as_mined(mined: Mined, shape: Shape) -> Trunks:
+    """The trunks of a shape, found as the collection's were."""
+    config = mined.config
+    return compared_trunks(
+        shape, config.qcrs.variant, config.trunks, lambda: reversibility(shape, config.reversibility)
+    )
+
+
+def match(mined: Mined, index: TrunkIndex, query: Query, count: int) -> Match:
+    """The ``count`` best partners of a shape by QCRS, exact; a shape of the same file is left out."""
+    itself = mined.digests.index(query.digest) if query.digest in mined.digests else None
+    place = np.flatnonzero(mined.numbers == (-2 if itself is None else itself))
+    own = [int(place[0])] if len(place) else [-1]
+    found = best_partners(index, query.stacked, count, mined.config.qcrs.sigmas, itself=own)
+    columns = {**vars(found.scores), "j": mined.numbers[found.scores.j].astype(np.int32)}
+    return Match(BlockScores(**columns), itself, found.compared)
+
+
+def _record(folder: Path) -> Mapping[str, Any]:
+    if not folder.is_dir():
+        what = "is not a folder" if folder.exists() else "does not exist"
+        raise StartError(f"{folder}: {what}; give --in the folder of a run's tables, such as outputs/sample")
+    record = read_record(folder)
+    if record is not None:
+        return record
+    if (folder / RECORD).exists():
+        raise StartError(f"{folder / RECORD}: damaged, or of another version of this program; {AGAIN}")
+    runs = sorted(path.parent for path in folder.glob(f"*/{RECORD}"))
+    if runs:
+        raise StartError(f"{folder}: not itself a run; give --in one of {', '.join(map(str, runs))}")
+    raise StartError(
+        f"{folder}: no finished run here ({RECORD} is missing): it was stopped, or is not done yet; "
+        "the same command as before goes on with it"
+    )
+
+
+def _config(folder: Path, record: Mapping[str, Any]) -> Config:
+    try:
+        return make_config(record["configuration"])
+    except (ConfigError, KeyError, TypeError) as error:
+        raise StartError(f"{folder}: mined by another version of this program ({error}); mine it again") from error
+
+
+def _shapes(folder: Path, record: Mapping[str, Any]) -> dict[str, list[Any]]:
+    path = folder / SHAPES
+    try:
+        if digest_bytes(path.read_bytes()) != record["files"][SHAPES]:
+            raise StartError(f"{path}: altered since the run wrote it; {AGAIN}")
+    except (OSError, KeyError) as error:
+        raise StartError(f"{path}: gone or not readable; {AGAIN}") from error
+    columns: dict[str, list[Any]] = pq.ParquetFile(path).read(columns=["shape", "name", "class", "digest"]).to_pydict()
+    return columns
+
+
+def _artifact_keys(folder: Path, stage: str) -> list[str]:
+    path = folder / ARTIFACTS
+    try:
+        return [str(key) for key in json.loads(path.read_bytes()).get(stage, ())]
+    except (OSError, ValueError, AttributeError) as error:
+        raise StartError(f"{path}: gone or damaged; {AGAIN}") from error
+
+
+def _entry(store: Store, folder: Path, of: Recipe, key: str) -> Entry:
+    """The manifest of a batch; its key has to be what the code here would give it."""
+    stage = of.stage.name
+    try:
+        entry = store.entry(stage, key)
+    except (PayloadError, OSError) as error:
+        raise StartError(f"{store.root}: altered since {folder} was made ({error}); {AGAIN}") from error
+    if entry is None:
+        raise StartError(
+            f"{store.root}: {stage}/{key[:12]}, of {folder}, is gone; give --store DIR if it is another; else {AGAIN}"
+        )
+    parts = of.parts(entry.parts["inputs"])
+    if parts.key() != key:
+        changes = "; ".join(explain(parts.to_json(), gather([entry.parts]))[:3])
+        raise StartError(
+            f"{folder}: mined by other code or libraries than are here, whose trunks may differ ({changes}); "
+            "mine it again, or match with the version that mined it"
+        )
+    return entry

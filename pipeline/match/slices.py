@@ -1,0 +1,88 @@
+"""`riot slices MODEL --in RUN`: the counterparts of a solid's slices are looked for in a mined collection."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from pipeline.errors import PayloadError, StartError
+from pipeline.match.search import AGAIN, Mined, open_mined, trunks_as_mined
+from pipeline.stages.items import count_shapes, expect_shape
+from pipeline.store.filesystem.base import place_of
+from riot.cli import main as cli
+from riot.cli.slices import given, slice_model
+from riot.geometry.shape import Shape
+from riot.scores.index import best_partners
+from riot.scores.qcrs import stack
+from riot.slices.assign import Candidate, Shortlist
+
+
+def add_collection(commands: cli.Commands) -> None:
+    """Let the command `slices`, which is there already, look in a run."""
+    parser = commands.choices["slices"]
+    parser.add_argument(
+        "--in", dest="run_folder", type=Path, metavar="RUN", help="become shapes of a run, as outputs/mpeg7"
+    )
+    parser.add_argument("--store", type=place_of, metavar="PLACE", help="the run's store, if it was moved (DIR or URL)")
+    parser.set_defaults(run=run_slices)
+
+
+def run_slices(chosen: argparse.Namespace) -> int:
+    """``riot slices``; exit codes as `riot.cli.slices` tells them.
+
+    Raises `StartError` if both or neither of files and a run are given, or as `pipeline.match.search.open_mined`.
+    """
+    if (chosen.run_folder is None) == (not chosen.into):
+        raise StartError("give the shapes to become either as files (--into A.png,B.png) or as a run (--in RUN)")
+    if chosen.run_folder is None:
+        return slice_model(chosen, given(chosen.into))
+    mined = open_mined(chosen.run_folder, chosen.store)
+    return slice_model(chosen, lambda slices, keep: shortlists(mined, slices, keep), mined.config.shape)
+
+
+def shortlists(mined: Mined, slices: Sequence[Shape], keep: int) -> tuple[Shortlist, ...]:
+    """The ``keep`` best counterparts of every slice by QCRS among a run's shapes, exact, through its index.
+
+    Raises `StartError` if the run's store is gone or altered.
+    """
+    index = mined.index(lambda said: print(f"riot: {said}", file=sys.stderr))
+    queries = stack([trunks_as_mined(mined, shape) for shape in slices])
+    scores = best_partners(index, queries, keep, mined.config.qcrs.sigmas).scores
+    numbers = mined.numbers[scores.j].tolist()
+    shapes = read_shapes(mined, set(numbers))
+    found: list[list[Candidate]] = [[] for _ in slices]
+    for i, number, score in zip(scores.i.tolist(), numbers, scores.score.tolist(), strict=True):
+        found[i].append(Candidate(shapes[number], score))
+    return tuple(tuple(each) for each in found)
+
+
+def read_shapes(mined: Mined, numbers: set[int]) -> dict[int, Shape]:
+    """The shapes of a run with these numbers, named as its tables do; StartError if one is not in the store."""
+    found: dict[int, Shape] = {}
+    first = 0
+    try:
+        for key in mined.trunks:
+            batch = mined.store.get("ingest", _inputs(mined, "trunks", key)[0])
+            here = mined.numbers[first : first + count_shapes(batch)].tolist()
+            first += len(here)
+            found |= {
+                number: expect_shape(batch, place, mined.names[number])
+                for place, number in enumerate(here)
+                if number in numbers
+            }
+    except (LookupError, PayloadError, OSError) as error:
+        said = error.args[0] if isinstance(error, LookupError) else error
+        raise StartError(
+            f"{mined.store.root}: shapes of {mined.folder} are gone or altered ({said}); {AGAIN}"
+        ) from error
+    return found
+
+
+def _inputs(mined: Mined, stage: str, key: str) -> Sequence[str]:
+    entry = mined.store.entry(stage, key)
+    if entry is None:
+        raise LookupError(f"{stage}/{key[:12]}")
+    inputs: Sequence[str] = entry.parts["inputs"]
+    return inputs

@@ -1,0 +1,1 @@
+"""Which work a run consists of: work items, content keys, code digests, explanations."""

@@ -1,0 +1,195 @@
+"""Causes: why work items are not in the store: what of their keys is other than in the nearest stored ones."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from pipeline.datasets.item import Item
+from pipeline.plan.plan import WorkItem
+from pipeline.store.artifact import canonical_json
+from pipeline.store.store import State, Store
+from pipeline.tables.results import shown_source
+
+Changes = tuple[str, ...]
+
+Cause = tuple[str, str]
+"""The stage that it began in, and what it is."""
+
+NOTHING_STORED = "new: nothing of this stage is in the store"
+
+NOT_DONE = "not done yet: all that it reads is in the store (a run ended before it, it failed, or none asked for it)"
+
+FEW = 3
+"""So many names, or causes of one work item, are told."""
+
+
+class Causes:
+    """Why work items are not in the store, against the nearest of what it has of the same stage.
+
+    Asked stage after stage: what a stage hands on is told by its own cause.
+    """
+
+    def __init__(self, store: Store, pictures: Pictures | None = None) -> None:
+        self._store, self._pictures = store, pictures or Pictures()
+        self._known: dict[str, list[Known]] = {}
+        self._of: dict[str, tuple[Cause, ...]] = {}
+
+    def of(self, missing: Iterable[WorkItem]) -> Counter[str]:
+        """The causes of each, as one text, counted. Later calls know them."""
+        return Counter(self._text(item) for item in missing)
+
+    def _text(self, item: WorkItem) -> str:
+        own = self._own(item)
+        said = {text for _, text in own}
+        inherited = dict.fromkeys(cause for key in item.parts.inputs for cause in self._of.get(key, ()))
+        inherited = dict.fromkeys(cause for cause in inherited if cause[1] not in said)
+        causes = (*own, *inherited) or self._inputs(item)
+        self._of[item.key] = causes
+        if item.stage == "ingest":
+            self._of |= {one.key(): causes for one in item.parts.each_input()}
+        words = [text if stage == item.stage else f"after {stage}: {text}" for stage, text in causes]
+        return "; ".join(_few(words))
+
+    def _own(self, item: WorkItem) -> tuple[Cause, ...]:
+        """What is other in the item itself than in the nearest stored one, inputs aside."""
+        if self._store.state(*item.reference) is State.CORRUPT:
+            return ((item.stage, "corrupt: the stored artifact is torn, truncated or altered"),)
+        if item.stage not in self._known:
+            self._known[item.stage] = gather(entry.parts for entry in self._store.entries(item.stage))
+        if not self._known[item.stage]:
+            return ((item.stage, NOTHING_STORED),)
+        found = nearest(item.parts.to_json(), self._known[item.stage])
+        return tuple((item.stage, text) for text in found.changes(item.parts.to_json()))
+
+    def _inputs(self, item: WorkItem) -> tuple[Cause, ...]:
+        """What is other in the inputs, if nothing that made them is: all of them are in the store."""
+        found = nearest(item.parts.to_json(), self._known[item.stage])
+        if item.stage == "ingest":
+            return (("ingest", self._pictures.changed(item, found)),)
+        if not found.inputs.issuperset(item.parts.inputs):
+            return ((item.stage, NOT_DONE),)
+        if self._pictures.removed:
+            return (("ingest", self._pictures.removed),)
+        return ((item.stage, found.new_inputs(item.parts.inputs)),)
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """What is in the collection, and the folder of the run before, whose tables tell what was in it then."""
+
+    items: tuple[Item, ...] = ()
+    folder: Path | None = None
+
+    @cached_property
+    def before(self) -> Mapping[str, str]:
+        """Digests of the shapes of the run before, by name; empty ones of files that gave no shape."""
+        if self.folder is None:
+            return {}
+        import pyarrow.parquet as pq  # here: only an explanation needs it
+
+        try:
+            shapes = pq.read_table(self.folder / "shapes.parquet", columns=["name", "digest"]).to_pydict()
+            errors = pq.read_table(self.folder / "errors.parquet", columns=["item"]).to_pydict()
+        except (OSError, ValueError, KeyError):
+            return {}
+        return dict.fromkeys(errors["item"], "") | dict(zip(shapes["name"], shapes["digest"], strict=True))
+
+    @cached_property
+    def removed(self) -> str:
+        """What was a shape before and is in the collection no longer, under whatever name, in words; "" for nothing."""
+        left = {item.digest for item in self.items} | {item.name for item in self.items}
+        gone = [name for name, digest in self.before.items() if digest and left.isdisjoint((name, digest))]
+        return _listed("picture removed", gone)
+
+    def told(self, new: Sequence[Item]) -> str:
+        """Which of some new items are in the place of others, and which are additional, in words."""
+        replaced = [shown_source(item.name, item.source) for item in new if item.name in self.before]
+        added = [shown_source(item.name, item.source) for item in new if item.name not in self.before]
+        word = "picture added" if self.before else "picture new to the store"
+        return "; ".join(filter(None, (_listed("picture replaced", replaced), _listed(word, added))))
+
+    def changed(self, batch: WorkItem, stored: Known) -> str:
+        """Which pictures make a batch another than the ``stored`` ones, which differ from it in nothing else."""
+        new = [item for item in batch.spec if item.digest not in stored.inputs]
+        # A batch of known pictures is another one because of its neighbours.
+        beside = [item for item in self.items if item.digest not in stored.inputs]
+        around = "; ".join(filter(None, (self.removed, self.told(beside))))
+        return self.told(new) or around or "pictures in other batches, each known"
+
+
+@dataclass(frozen=True)
+class Known:
+    """Stored keys that differ in their inputs only: what they share, and all their inputs."""
+
+    shared: Mapping[str, Any]
+    inputs: frozenset[str]
+
+    def changes(self, parts: Mapping[str, Any]) -> list[str]:
+        """Components of a key that differ from what these share, with old and new values."""
+        return _differences("", self.shared, _shared(parts))
+
+    def new_inputs(self, inputs: Collection[str]) -> str:
+        """How a key's inputs differ from these, in words."""
+        new = set(inputs) - self.inputs
+        if not new:
+            return "inputs: known ones in a combination that is not done yet, or under other names"
+        return f"inputs: {len(new)} of {len(set(inputs))} are new"
+
+
+def gather(stored: Iterable[Mapping[str, Any]]) -> list[Known]:
+    """Group the parts of stored keys by everything but their inputs, so that thousands of keys are a few groups."""
+    groups: dict[str, tuple[Mapping[str, Any], set[str]]] = {}
+    for parts in stored:
+        shared = _shared(parts)
+        groups.setdefault(canonical_json(shared), (shared, set()))[1].update(parts["inputs"])
+    return [Known(shared, frozenset(inputs)) for shared, inputs in groups.values()]
+
+
+def explain(parts: Mapping[str, Any], known: Sequence[Known]) -> Changes:
+    """Which components of a key differ from the nearest of the ``known`` ones, with old and new values."""
+    if not known:
+        return (NOTHING_STORED,)
+    found = nearest(parts, known)
+    return tuple(found.changes(parts)) or (found.new_inputs(parts["inputs"]),)
+
+
+def nearest(parts: Mapping[str, Any], known: Sequence[Known]) -> Known:
+    """Of the ``known`` keys those that differ in the fewest components; of such, those that share the most inputs."""
+    inputs = set(parts["inputs"])
+    return min(known, key=lambda old: (len(old.changes(parts)), -len(inputs & old.inputs)))
+
+
+def _shared(parts: Mapping[str, Any]) -> dict[str, Any]:
+    # parameters.item is what tells one work item from another beside its inputs.
+    parameters = {name: value for name, value in parts["parameters"].items() if name != "item"}
+    return {"schema": parts["schema"], "parameters": parameters, "code": parts["code"], "versions": parts["versions"]}
+
+
+def _differences(name: str, old: Any, new: Any) -> list[str]:
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        found = []
+        for part in sorted(old.keys() | new.keys()):
+            found += _differences(f"{name}.{part}".lstrip("."), old.get(part), new.get(part))
+        return found
+    if old == new:
+        return []
+    if name.startswith("code."):
+        return [f"{name} {_short(old)} → {_short(new)}"]
+    return [f"{name} {old!r} → {new!r}"]
+
+
+def _listed(what: str, names: Sequence[str]) -> str:
+    return f"{what}: {', '.join(_few(names))}" if names else ""
+
+
+def _few(texts: Sequence[str]) -> list[str]:
+    return [*texts[:FEW], *([f"and {len(texts) - FEW} more"] if texts[FEW:] else [])]
+
+
+def _short(digest: Any) -> str:
+    return digest[:8] if isinstance(digest, str) else "absent"

@@ -1,0 +1,1 @@
+"""Where the work is done: clusters, workers, retries, quarantine, and what a run tells."""

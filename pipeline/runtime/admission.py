@@ -1,0 +1,121 @@
+"""Admission: which workers of somebody else's cluster may compute for a run, asked one by one as they join.
+
+A worker must have the code and the numeric libraries that the run's keys name, and must see its store. The question
+travels by value, so that a worker without this project can be asked, too.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from pipeline.plan.causes import explain, gather
+from pipeline.plan.code_digest import code_digests, library_versions
+from pipeline.plan.keys import SCHEMA
+from pipeline.stages.registry import STAGES
+from pipeline.store.filesystem.base import Place
+
+Identity = Mapping[str, Any]
+"""What all stages' keys name of code and libraries, in the form of the parts of a key."""
+
+NAMED = 3
+"""So many differences of a refused worker are named."""
+
+
+def identity() -> Identity:
+    """The identity of this process."""
+    code: dict[str, str] = {}
+    versions: dict[str, str] = {}
+    for stage in STAGES:
+        code |= code_digests(stage.module)
+        versions |= library_versions(stage.module)
+    return {"schema": SCHEMA, "parameters": {}, "inputs": (), "code": code, "versions": versions}
+
+
+class Admission:
+    """The workers of a cluster: each is asked once, before it gets its first task, and admitted or refused."""
+
+    def __init__(self, client: Any, root: Place | None, tell: Callable[[str], None]) -> None:
+        """``root`` is the store if it is a folder; ``tell`` gets a line for every worker that is refused."""
+        self._client, self._root, self._tell = client, root, tell
+        self._own = identity()
+        self._answered: dict[str, str] = {}
+        self._had_some = False
+
+    def threads(self) -> dict[str, int]:
+        """Threads of the admitted workers that are there now, by address."""
+        present: dict[str, int] = self._client.nthreads()
+        self._answered = {address: said for address, said in self._answered.items() if address in present}
+        new = sorted(present.keys() - self._answered.keys())
+        if new:
+            self._ask(new)
+        found = {address: int(count) for address, count in present.items() if self._answered.get(address) == ""}
+        if self._had_some and not found:
+            self._tell("all workers have gone: waiting for others to join")
+        self._had_some = bool(found)
+        return found
+
+    @property
+    def refusals(self) -> list[str]:
+        """Why workers that are there now were refused, one line each."""
+        return [f"{address}: {said}" for address, said in sorted(self._answered.items()) if said]
+
+    def _ask(self, addresses: list[str]) -> None:
+        with _probe(self._root) as probe:
+            try:
+                answers = self._client.run(_question(), probe, workers=addresses, on_error="return")
+            except OSError:  # all of them are gone again; whoever is back is asked again
+                return
+        for address, answer in sorted(answers.items()):
+            if isinstance(answer, OSError):
+                continue
+            said = objection(self._own, answer, self._root)
+            self._answered[address] = said
+            if said:
+                self._tell(f"worker {address} is refused: {said}")
+
+
+def objection(own: Identity, answer: Any, root: Place | None) -> str:
+    """What is wrong with a worker that gave this answer to `_question`; empty if nothing is."""
+    if isinstance(answer, ImportError):
+        return f"it lacks this project or a library of it ({answer}); install there what is here"
+    if isinstance(answer, Exception):
+        return f"it could not say what it runs ({type(answer).__name__}: {answer}); install there what is here"
+    theirs, sees = answer
+    changes = explain(own, gather([theirs]))
+    if theirs["code"] != own["code"] or theirs["versions"] != own["versions"] or theirs["schema"] != own["schema"]:
+        rest = f" and {len(changes) - NAMED} more" if len(changes) > NAMED else ""
+        return f"other code or libraries, there → here: {'; '.join(changes[:NAMED])}{rest}; install there what is here"
+    if not sees:
+        return f"it does not see the store {root}; share that folder, or choose one that all see with store=DIR"
+    return ""
+
+
+def _question() -> Callable[[str | None], tuple[Identity, bool]]:
+    # A function inside a function cannot be found by name, and so is sent as it is, also where this is not installed.
+    def answer(probe: str | None) -> tuple[Identity, bool]:
+        from pathlib import Path
+
+        from pipeline.runtime.admission import identity
+
+        return identity(), probe is None or Path(probe).exists()
+
+    return answer
+
+
+@contextmanager
+def _probe(root: Place | None) -> Iterator[str | None]:
+    """A file in the store that was never there before, while workers look for it."""
+    if not isinstance(root, Path):  # an object store is the same for all
+        yield None
+        return
+    root.mkdir(parents=True, exist_ok=True)
+    probe = root.absolute() / f".probe-{uuid.uuid4().hex}"
+    probe.touch()
+    try:
+        yield str(probe)
+    finally:
+        probe.unlink(missing_ok=True)

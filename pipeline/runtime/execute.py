@@ -1,0 +1,208 @@
+"""Execution: a stage's plan → its artifacts, only those that the store lacks, streaming, on any cluster."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field, replace
+
+from pipeline.config.schema import ClusterConfig
+from pipeline.errors import PlaceError, StartError
+from pipeline.plan.plan import Reference, WorkItem
+from pipeline.runtime.cluster import Bundle, Executor, Here, open_cluster
+from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
+from pipeline.runtime.worker import Failure, Receipt
+from pipeline.stages.registry import BY_NAME
+from pipeline.store.artifact import Artifact
+from pipeline.store.filesystem.base import Place
+from pipeline.store.store import State, Store
+
+MAX_TRIES = 3
+"""A work item is tried so often when the machine fails it (memory, files), never when the item itself is at fault."""
+
+RETRIED = frozenset({"OSError", "MemoryError", "BlockingIOError", "TimeoutError", "PermissionError", "PayloadError"})
+TASKS_PER_WORKER = 4
+
+
+@dataclass
+class Run:
+    """A run in progress: what is done, what failed, and how to get a cluster once it is needed.
+
+    With ``unwritable``, why the store takes nothing, it finds everything there or does not start.
+    """
+
+    store: Store
+    listen: Listener
+    cluster: Callable[[], Executor]
+    unwritable: StartError | None = None
+    done: set[Reference] = field(default_factory=set)
+    failed: dict[Reference, Failure] = field(default_factory=dict)
+    blocked: set[Reference] = field(default_factory=set)
+    stages: list[StageEnded] = field(default_factory=list)
+
+    def stage(self, name: str, items: Sequence[WorkItem], *, here: bool = False) -> None:
+        """Bring a stage's items into the store; ``here``: in this process, because it is not worth a worker.
+
+        Raises `PlaceError` once the store takes no more, and ``unwritable`` for the first item that it lacks.
+        """
+        started = time.perf_counter()
+        unique = {item.reference: item for item in items}
+        found = dict(zip(unique, self.store.check_all(list(unique)), strict=True))
+        cached = {reference: cost for reference, (state, cost) in found.items() if state is State.PRESENT}
+        corrupt = sum(state is State.CORRUPT for state, _ in found.values())
+        self.listen(StageStarted(name, BY_NAME[name].unit, len(unique), len(cached), corrupt))
+        self.done |= cached.keys()
+        ready = {ref: item for ref, item in unique.items() if ref not in cached and self.done.issuperset(item.sources)}
+        self.blocked |= unique.keys() - cached.keys() - ready.keys()
+        spent: list[Receipt] = []
+        if ready:
+            if self.unwritable is not None:
+                raise self.unwritable
+            executor = Here() if here else self.cluster()
+            spent = self._work(executor, ready)
+        ended = StageEnded(
+            stage=name,
+            total=len(unique),
+            cached=len(cached),
+            computed=sum(reference in self.done for reference in ready),
+            failed=sum(reference in self.failed for reference in ready),
+            blocked=len(unique) - len(cached) - len(ready),
+            seconds=time.perf_counter() - started,
+            cpu_seconds=sum(receipt.cpu_seconds for receipt in spent),
+            stored_seconds=self._stored_seconds(unique.keys(), cached),
+            peak_mb=max((receipt.peak_mb for receipt in spent), default=0.0),
+        )
+        self.stages = [*(one for one in self.stages if one.stage != name), self._with_earlier(ended)]
+        self.listen(ended)
+
+    def probe(self, items: Sequence[WorkItem]) -> dict[Reference, Failure]:
+        """Bring work items into the store to see which of them fail, and tell nobody; returns their failures."""
+        trial = Run(self.store, lambda event: None, self.cluster)
+        states = self.store.check_all([item.reference for item in items])
+        missing = {
+            item.reference: item for item, (state, _) in zip(items, states, strict=True) if state is not State.PRESENT
+        }
+        if missing:
+            trial._work(self.cluster(), missing)
+        return trial.failed
+
+    def adopt(self, failed: WorkItem, made: WorkItem, parts: Sequence[WorkItem], artifact: Artifact) -> None:
+        """Keep what was joined from finished ``parts`` as the artifact of ``made``, in the place of a failed item.
+
+        Where that is the item itself, it has not failed after all.
+        """
+        costs = [entry.cost for part in parts if (entry := self.store.entry(*part.reference)) is not None]
+        cost = {name: float(sum(each.get(name, 0.0) for each in costs)) for name in ("seconds", "cpu_seconds")}
+        cost["peak_mb"] = max((each.get("peak_mb", 0.0) for each in costs), default=0.0)
+        self.store.put(made.parts, artifact, cost)
+        self.done.add(made.reference)
+        del self.failed[failed.reference]
+        if made.reference == failed.reference:
+            self.stages = [
+                replace(one, failed=one.failed - 1, computed=one.computed + 1) if one.stage == made.stage else one
+                for one in self.stages
+            ]
+
+    def begin_again(self) -> None:
+        """Forget what is done and what failed, because another plan is followed; what was spent is remembered."""
+        self.done.clear()
+        self.failed.clear()
+        self.blocked.clear()
+
+    def _with_earlier(self, ended: StageEnded) -> StageEnded:
+        """A stage with what an earlier plan spent on it: what that computed was not in the store when the run began."""
+        for earlier in self.stages:
+            if earlier.stage == ended.stage:
+                computed = min(earlier.computed, ended.cached)
+                return replace(
+                    ended,
+                    cached=ended.cached - computed,
+                    computed=ended.computed + computed,
+                    failed=ended.failed + earlier.failed,
+                    seconds=ended.seconds + earlier.seconds,
+                    cpu_seconds=ended.cpu_seconds + earlier.cpu_seconds,
+                    peak_mb=max(ended.peak_mb, earlier.peak_mb),
+                )
+        return ended
+
+    def _work(self, executor: Executor, ready: dict[Reference, WorkItem]) -> list[Receipt]:
+        spent: list[Receipt] = []
+        pending = list(ready.values())
+        for tries in range(1, MAX_TRIES + 1):
+            again: list[WorkItem] = []
+            for receipt in executor.run(self.store.text, bundles(pending, executor.workers)):
+                spent.append(receipt)
+                reference = (receipt.stage, receipt.key)
+                if receipt.failure is None:
+                    self.done.add(reference)
+                elif receipt.failure.type == PlaceError.__name__:  # no other artifact can be written there either
+                    raise PlaceError(receipt.failure.message)
+                elif receipt.failure.type in RETRIED and tries < MAX_TRIES:
+                    again.append(ready[reference])
+                    continue
+                else:
+                    failure = receipt.failure
+                    self.failed[reference] = replace(failure, attempts=failure.attempts + tries - 1)
+                self.listen(ItemDone(receipt.stage, receipt.failure is not None))
+            if not again:
+                break
+            pending = again
+        return spent
+
+    def _stored_seconds(self, items: AbstractSet[Reference], known: Mapping[Reference, Mapping[str, float]]) -> float:
+        total = 0.0
+        for reference in sorted(items & self.done):
+            cost = known.get(reference)
+            if cost is None:
+                entry = self.store.entry(*reference)
+                cost = entry.cost if entry is not None else {}
+            total += cost.get("seconds", 0.0)
+        return total
+
+
+def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
+    """Group work items of one stage into tasks: up to the stage's bundle or tile, but enough tasks for every worker."""
+    if not items:
+        return []
+    stage, least = BY_NAME[items[0].stage], TASKS_PER_WORKER * workers
+    if stage.tile:
+        made = (tiles(items, side) for side in range(stage.tile, 0, -1))
+        return next((found for found in made if len(found) >= least), [[item] for item in items])
+    size = max(1, min(stage.bundle, len(items) // least))
+    return [items[start : start + size] for start in range(0, len(items), size)]
+
+
+def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:
+    """Group work items between two inputs into tiles, of the work between ``side`` inputs and ``side`` others.
+
+    Inputs are numbered as they appear. The largest tiles come first, so that workers end at about the same time.
+    """
+    numbers: dict[Reference, int] = {}
+    found: dict[tuple[int, int], list[WorkItem]] = {}
+    for item in items:
+        places = [numbers.setdefault(source, len(numbers)) // side for source in item.sources]
+        found.setdefault((min(places), max(places)), []).append(item)
+    return sorted(found.values(), key=len, reverse=True)
+
+
+@contextlib.contextmanager
+def open_run(
+    root: Place,
+    cluster: ClusterConfig,
+    prepare: Callable[[], None],
+    listen: Listener,
+    unwritable: StartError | None = None,
+) -> Iterator[Run]:
+    """A run whose cluster is opened with the first work item that needs it, after ``prepare`` (compiling kernels)."""
+    with contextlib.ExitStack() as stack:
+        opened: list[Executor] = []
+
+        def executor() -> Executor:
+            if not opened:
+                prepare()
+                opened.append(stack.enter_context(open_cluster(cluster, root, listen)))
+            return opened[0]
+
+        yield Run(Store(root), listen, executor, unwritable)

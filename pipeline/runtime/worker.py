@@ -1,0 +1,77 @@
+"""What a worker does: read inputs from the store, run the stage's work, write the artifact, return a receipt."""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from pipeline.plan.plan import WorkItem
+from pipeline.runtime.inputs import Inputs, Kept
+from pipeline.stages.registry import code_text, work_of
+from pipeline.store.filesystem.base import place_of
+from pipeline.store.store import State, Store
+
+DEADLY = frozenset({"TimeLimit", "ProcessLost", "KilledWorker", "WorkerLost"})
+"""Types of failures that nothing raised."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a work item made no artifact: the error's type and message, how often it was tried, and one word for it."""
+
+    type: str
+    message: str
+    attempts: int = 1
+    reason: str = ""
+
+    @property
+    def deadly(self) -> bool:
+        """Whether the item ended its process, or the process had to be ended: others may do well without it."""
+        return self.type in DEADLY
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """All that comes back from a worker: no geometry, only what happened and what it cost."""
+
+    stage: str
+    key: str
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+    failure: Failure | None = None
+
+
+def perform(root: str, items: Sequence[WorkItem], kept: Kept) -> Iterator[Receipt]:
+    """Do some work items, one after another, against the store at ``root``; a failure stays with its item.
+
+    Inputs that the worker keeps are in ``kept``, which it passes with every task.
+    """
+    store = Store(place_of(root))
+    inputs = Inputs(store, items, kept)
+    for place, item in enumerate(items):
+        yield _perform_one(store, inputs, place, item)
+
+
+def _perform_one(store: Store, inputs: Inputs, place: int, item: WorkItem) -> Receipt:
+    wall, cpu = time.perf_counter(), time.process_time()
+    if store.state(*item.reference) is State.PRESENT:
+        # Since the stage began another run has made it, or a worker that was lost with its receipts.
+        return Receipt(item.stage, item.key)
+    failure = None
+    try:
+        work = work_of(item.stage, code_text(dict(item.parts.code), dict(item.parts.versions)))
+        artifact = work.run(inputs.of(place, item, work.prepare), item.parameters, item.spec)
+        seconds, cpu_seconds = time.perf_counter() - wall, time.process_time() - cpu
+        store.put(item.parts, artifact, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": _peak_mb()})
+    except Exception as error:
+        failure = Failure(type(error).__name__, str(error) or type(error).__name__)
+    return Receipt(item.stage, item.key, time.perf_counter() - wall, time.process_time() - cpu, _peak_mb(), failure)
+
+
+def _peak_mb() -> float:
+    # Kilobytes on Linux, bytes on macOS.
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)

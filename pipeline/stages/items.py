@@ -1,0 +1,96 @@
+"""What the per-shape stages share: shapes as ragged arrays, and failures as rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+from pipeline.store.artifact import AnyArray, Artifact
+from riot.errors import RiotError
+from riot.geometry.shape import Shape
+
+T = TypeVar("T")
+ErrorRow = dict[str, Any]
+
+
+def attempt(index: int, function: Callable[[], T], errors: list[ErrorRow]) -> T | None:
+    """Call ``function`` for the item ``index`` of a batch; a failure becomes a row in ``errors``, and None.
+
+    Errors of the machine (memory, files) are raised: they say nothing about the item and must not be kept.
+    """
+    try:
+        return function()
+    except (RiotError, ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
+        # Beside our own errors, the builtin ones that a deterministic function can end in: the same next time.
+        errors.append(error_row(index, error))
+        return None
+
+
+def error_row(index: int, error: BaseException) -> ErrorRow:
+    """A failure as plain values: index within the batch, type, reason (one word), message."""
+    reason = getattr(error, "reason", "") or ("unexpected" if not isinstance(error, RiotError) else "")
+    return {"index": index, "type": type(error).__name__, "reason": reason, "message": str(error)}
+
+
+def pack_shapes(shapes: Sequence[Shape | None]) -> dict[str, AnyArray]:
+    """Shapes as arrays: ``offsets`` (k+1,) int64 into ``points`` (M, 2) and ``feature`` (M,), ``to_source`` (k, 2, 3).
+
+    A missing shape has no points. Names are left out: they are no part of the geometry.
+    """
+    lengths = np.array([0 if shape is None else len(shape.points) for shape in shapes], dtype=np.int64)
+    present = [shape for shape in shapes if shape is not None]
+    to_source = [np.eye(2, 3) if shape is None else shape.to_source for shape in shapes]
+    return {
+        "offsets": np.concatenate([np.zeros(1, np.int64), np.cumsum(lengths)]),
+        "points": np.concatenate([np.empty((0, 2)), *(shape.points for shape in present)]),
+        "feature": np.concatenate([np.empty(0, bool), *(shape.feature for shape in present)]),
+        "to_source": np.array(to_source).reshape(-1, 2, 3),
+    }
+
+
+def unpack_shape(artifact: Artifact, index: int, name: str = "") -> Shape | None:
+    """The shape at ``index`` of a batch; None where ingest failed."""
+    arrays = artifact.arrays
+    low, high = int(arrays["offsets"][index]), int(arrays["offsets"][index + 1])
+    if low == high:
+        return None
+    # Copies: compiled kernels would compile a second time for read-only arrays.
+    return Shape(
+        np.array(arrays["points"][low:high]),
+        np.array(arrays["feature"][low:high]),
+        name,
+        np.array(arrays["to_source"][index]),
+    )
+
+
+def count_shapes(artifact: Artifact) -> int:
+    """Number of items of a batch, failed ones included."""
+    return len(artifact.arrays["offsets"]) - 1
+
+
+def expect_shape(artifact: Artifact, index: int, name: str = "") -> Shape:
+    """The shape at ``index``, known to exist; LookupError if the plan was wrong."""
+    shape = unpack_shape(artifact, index, name)
+    if shape is None:
+        raise LookupError(f"the batch holds no shape at {index}")
+    return shape
+
+
+def join_single(parts: Sequence[Artifact]) -> Artifact:
+    """Artifacts of a stage of shapes, each of one shape alone → what the stage makes of all of them as one batch.
+
+    Arrays whose names end in ``offsets`` are running sums from 0, here as in every stage of shapes; others are
+    concatenated.
+    """
+    arrays: dict[str, AnyArray] = {}
+    for name in parts[0].arrays:
+        found = [part.arrays[name] for part in parts]
+        if name.endswith("offsets"):
+            sizes = np.concatenate([np.zeros(1, np.int64), *(np.diff(offsets) for offsets in found)])
+            arrays[name] = np.cumsum(sizes, dtype=found[0].dtype)
+        else:
+            arrays[name] = np.concatenate(found)
+    errors = [{**row, "index": index} for index, part in enumerate(parts) for row in part.document["errors"]]
+    return Artifact(arrays, {"errors": errors})

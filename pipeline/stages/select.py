@@ -1,0 +1,156 @@
+"""Selection: which pairs go on to CRS, by policy, block by block (paper §5.3; ``global`` and breadth are ours)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.stages.specs import Selecting
+from pipeline.store.artifact import Artifact
+from riot.types import FloatArray, IntArray
+
+Block = tuple[IntArray, IntArray, FloatArray]
+"""Pairs of one block: i, j (positions in the collection, i < j) and score."""
+
+
+class Chosen(NamedTuple):
+    """Selected pairs, best first: ``pairs`` (p, 2) int64, positions i < j in the collection, ``score`` (p,) float64."""
+
+    pairs: IntArray
+    score: FloatArray
+
+
+FIRST_POOL = 50_000
+GROWTH = 8
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How many pairs: in all, of the same two classes, with the same shape."""
+
+    top: int
+    per_class_pair: int
+    per_shape: int
+
+
+def select_paper(blocks: Iterator[Block], classes: Sequence[str], scores: FloatArray, top: int) -> Chosen:
+    """The best pairs among the shapes of best reversibility ``scores`` (nan = none) of each class.
+
+    A shape of class "" is a class of its own. Ties go to the earlier shape.
+    """
+    best: dict[str, int] = {}
+    for position, name in enumerate(classes):
+        if np.isnan(scores[position]):
+            continue
+        group = name or f"\0{position}"
+        if group not in best or scores[position] > scores[best[group]]:
+            best[group] = position
+    chosen = np.zeros(len(classes), dtype=bool)
+    chosen[list(best.values())] = True
+    pool, _ = _pool(blocks, lambda i, j: chosen[i] & chosen[j], limit=max(FIRST_POOL, top))
+    return _rows(pool, slice(top))
+
+
+def select_global(blocks: Callable[[], Iterator[Block]], classes: Sequence[str], limits: Limits) -> Chosen:
+    """The best pairs of different classes within the limits, greedily by falling score.
+
+    Class "" differs from every class, itself too. Ties go to the earlier pair. ``blocks`` starts the reading anew:
+    only a pool of the best pairs is held, and a larger one is read when the limits use up the first.
+    """
+    label = labels(classes)
+    size = max(FIRST_POOL, limits.top)
+    while True:
+        pool, cut = _pool(blocks(), lambda i, j: label[i] != label[j], size)
+        places = greedy(pool[0], pool[1], label, limits)
+        if len(places) == limits.top or not cut:
+            return _rows(pool, places)
+        size *= GROWTH
+
+
+def _rows(pool: Block, places: slice | list[int]) -> Chosen:
+    i, j, score = pool
+    at = np.arange(len(score))[places] if isinstance(places, slice) else np.array(places, dtype=np.int64)
+    return Chosen(np.column_stack([i[at], j[at]]), score[at])
+
+
+def labels(classes: Sequence[str]) -> IntArray:
+    """A number for every class, by position; class "" differs from every class, itself too."""
+    numbers: dict[str, int] = {}
+    found = [numbers.setdefault(name or f"\0{position}", len(numbers)) for position, name in enumerate(classes)]
+    return np.array(found, dtype=np.int64)
+
+
+def greedy(i: IntArray, j: IntArray, label: IntArray, limits: Limits) -> list[int]:
+    """Places of the pairs taken, of pairs (p,) with the best first."""
+    shapes: Counter[int] = Counter()
+    class_pairs: Counter[tuple[int, int]] = Counter()
+    chosen: list[int] = []
+    for place, (one, other) in enumerate(zip(i.tolist(), j.tolist(), strict=True)):
+        low, high = sorted((int(label[one]), int(label[other])))
+        if class_pairs[low, high] >= limits.per_class_pair:
+            continue
+        if max(shapes[one], shapes[other]) >= limits.per_shape:
+            continue
+        class_pairs[low, high] += 1
+        shapes[one] += 1
+        shapes[other] += 1
+        chosen.append(place)
+        if len(chosen) == limits.top:
+            break
+    return chosen
+
+
+def _pool(blocks: Iterator[Block], keep: Callable[[IntArray, IntArray], Any], limit: int) -> tuple[Block, bool]:
+    """The best ``limit`` pairs with a score above 0 that ``keep`` admits, best first; and whether any was cut off."""
+    none = np.empty(0, np.int64)
+    held: list[Block] = [(none, none, np.empty(0))]
+    count, least, cut = 0, 0.0, False
+    for i, j, score in blocks:
+        # Below the last of a full pool nothing can be taken; equal to it the order of pairs decides.
+        mask = (score > 0) & (score >= least)
+        mask[mask] = keep(i[mask], j[mask])
+        held.append((i[mask], j[mask], score[mask]))
+        count += len(held[-1][2])
+        if count > 2 * limit:
+            held, cut = [_best(held, limit)], True
+            count, least = limit, float(held[0][2][-1])
+    cut = cut or count > limit
+    return _best(held, limit), cut
+
+
+def _best(held: Sequence[Block], limit: int) -> Block:
+    i, j = (np.concatenate([block[side] for block in held]) for side in (0, 1))
+    score = np.concatenate([block[2] for block in held])
+    order = np.lexsort((j, i, -score))[:limit]
+    return i[order], j[order], score[order]
+
+
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) -> Artifact:
+    """Blocks of scores, then the batches' reversibility → ``pairs`` (p, 2) int64, best first, ``score`` (p,).
+
+    Of the inputs one at a time is held: there are as many as blocks.
+    """
+    (settings,) = parameters
+    breadth = settings.breadth
+    scored, rated = inputs[: len(spec.blocks)], inputs[len(spec.blocks) :]
+
+    def blocks() -> Iterator[Block]:
+        for (a, b), block in zip(spec.blocks, scored, strict=True):
+            i = block.arrays["i"].astype(np.int64) + spec.starts[a]
+            j = block.arrays["j"].astype(np.int64) + spec.starts[b]
+            yield i, j, np.asarray(block.arrays["score"])
+
+    if settings.policy == "paper":
+        ratings = np.full(len(spec.classes), np.nan)
+        for number, batch in zip(spec.rated, rated, strict=True):
+            start = spec.starts[number]
+            ratings[start : start + len(batch.arrays["score"])] = batch.arrays["score"]
+        chosen = select_paper(blocks(), spec.classes, ratings, breadth * settings.top)
+    else:
+        limits = Limits(*(breadth * most for most in (settings.top, settings.per_class_pair, settings.per_shape)))
+        chosen = select_global(blocks, spec.classes, limits)
+    return Artifact({"pairs": chosen.pairs, "score": chosen.score})

@@ -1,0 +1,52 @@
+"""The colour pictures of a pair as textures of its transform, for the stages that show and print them (theory §9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.datasets.item import Item
+from pipeline.stages.ingest import check_unchanged
+from riot.draw.texture.names import SIDES, Side
+from riot.draw.texture.paint import PictureTexture, picture_texture
+from riot.draw.texture.source import TextureError
+from riot.errors import SilhouetteError
+from riot.transform.transform import Transform
+
+Pictures = tuple[Item | None, Item | None]
+"""The pictures of P and of Q; None for one without colours."""
+
+LEAST_CONTRAST = 8.0
+"""A picture whose colours differ less from their mean (root mean square, of 255) is a silhouette in one colour."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A picture that may have colours and cannot be a texture: of which side, and why, as the error has it."""
+
+    side: Side
+    reason: str
+    message: str
+
+
+def read_textures(transform: Transform, pictures: Pictures) -> tuple[Mapping[Side, PictureTexture], list[Refusal]]:
+    """The textures of the sides that have colours, and what was refused; a silhouette in one colour is neither.
+
+    Raises RuntimeError for a file that changed since the run was planned.
+    """
+    found: dict[Side, PictureTexture] = {}
+    refused = []
+    for side, item in zip(SIDES, pictures, strict=True):
+        if item is None:
+            continue
+        check_unchanged(item)
+        try:
+            texture = picture_texture(item.source, transform, side)
+        except (TextureError, SilhouetteError) as error:
+            # Where the collection lies is no part of what is kept.
+            refused.append(Refusal(side, error.reason, str(error).replace(str(Path(item.source)), item.name)))
+            continue
+        if float(texture.pixels.reshape(-1, 3).std(axis=0).max()) >= LEAST_CONTRAST:
+            found[side] = texture
+    return found, refused

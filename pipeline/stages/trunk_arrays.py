@@ -1,0 +1,63 @@
+"""Trunks of a batch's shapes as arrays, for the stages that make or read them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.store.artifact import AnyArray, Artifact
+from riot.scores.trunks import Trunks
+
+NO_TRUNKS = Trunks(np.zeros(1, np.int64), np.empty(0, np.int32), *(np.empty(0) for _ in range(4)))
+"""What a shape has that failed before."""
+
+CORNERS = ("vertices", "edges", "alphas", "thetas")
+"""Fields of `Trunks` with an entry for each corner."""
+
+
+def pack_trunks(stack: Sequence[Trunks | None]) -> dict[str, AnyArray]:
+    """Trunks of the shapes of a batch as arrays: ``trunk_offsets`` (k+1,) int64 into the concatenated `Trunks`."""
+    empty = NO_TRUNKS
+    present = [trunks if trunks is not None else empty for trunks in stack]
+    counts = np.array([len(trunks) for trunks in present], dtype=np.int64)
+    sizes = np.concatenate([np.empty(0, np.int64), *(np.diff(trunks.offsets) for trunks in present)])
+    arrays: dict[str, AnyArray] = {
+        "trunk_offsets": np.concatenate([np.zeros(1, np.int64), np.cumsum(counts)]),
+        "offsets": np.concatenate([np.zeros(1, np.int64), np.cumsum(sizes)]).astype(np.int64),
+    }
+    for name in empty.to_arrays():
+        if name != "offsets":
+            parts = [trunks.to_arrays()[name] for trunks in present]
+            arrays[name] = np.concatenate([empty.to_arrays()[name], *parts])
+    return arrays
+
+
+def unpack_trunks(artifact: Artifact, index: int) -> Trunks:
+    """The trunks of the shape at ``index`` of a batch; none where there is no shape."""
+    arrays = artifact.arrays
+    first, last = int(arrays["trunk_offsets"][index]), int(arrays["trunk_offsets"][index + 1])
+    low, high = int(arrays["offsets"][first]), int(arrays["offsets"][last])
+    # Copies: compiled kernels would compile a second time for read-only arrays.
+    return Trunks(
+        offsets=arrays["offsets"][first : last + 1] - low,
+        areas=np.array(arrays["areas"][first:last]),
+        **{name: np.array(arrays[name][low:high]) for name in CORNERS},
+    )
+
+
+def unpack_batch_trunks(artifact: Artifact) -> list[Trunks]:
+    """The trunks of every shape of a batch, as `unpack_trunks`: views of one copy of the batch's arrays."""
+    starts = artifact.arrays["trunk_offsets"].tolist()
+    offsets = artifact.arrays["offsets"]
+    ends = offsets[artifact.arrays["trunk_offsets"]].tolist()
+    areas = np.array(artifact.arrays["areas"])
+    corners = {name: np.array(artifact.arrays[name]) for name in CORNERS}
+    return [
+        Trunks(
+            offsets=offsets[first : last + 1] - low,
+            areas=areas[first:last],
+            **{name: array[low:high] for name, array in corners.items()},
+        )
+        for first, last, low, high in zip(starts, starts[1:], ends, ends[1:], strict=False)
+    ]

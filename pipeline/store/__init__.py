@@ -1,0 +1,1 @@
+"""Content-addressed artifacts on a folder or an object store."""

@@ -1,0 +1,161 @@
+"""Files in a folder of this machine, or one that it mounts.
+
+A file is written under a unique name beside its place, synced and renamed. Its writer has it locked until then: a
+temporary file that can be locked belongs to nobody, whatever the clock says, and no lock outlives its process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import mmap
+import os
+import shutil
+import uuid
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+TEMPORARY = ".tmp-"
+
+PROBED = 2**16
+"""Bytes that a place must have room for: in a full one an empty file can still be made."""
+
+MAPPED = 2**18
+"""Files of so many bytes are mapped, smaller ones, such as blocks of scores, are read: that costs less."""
+
+
+@dataclass(frozen=True)
+class LocalFiles:
+    """See `pipeline.store.filesystem.base.Files`."""
+
+    place: Path
+    threads = 4
+
+    def exists(self) -> bool:
+        """See `Files.exists`."""
+        return self.place.is_dir()
+
+    def probe(self) -> None:
+        """See `Files.probe`."""
+        probe = self.place / f"{TEMPORARY}{uuid.uuid4().hex}"
+        self.place.mkdir(parents=True, exist_ok=True)
+        write_atomically(probe, bytes(PROBED))
+        probe.unlink()
+
+    def read(self, name: str) -> memoryview:
+        """See `Files.read`; large files are mapped."""
+        try:
+            with (self.place / name).open("rb") as stream:
+                if os.fstat(stream.fileno()).st_size < MAPPED:
+                    return memoryview(stream.read())
+                return memoryview(mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ))
+        except NotADirectoryError as error:
+            raise FileNotFoundError(*error.args) from error
+
+    def write(self, folder: str, files: Mapping[str, bytes]) -> None:
+        """See `Files.write`."""
+        path = self.place / folder
+        path.mkdir(parents=True, exist_ok=True)
+        for name, data in files.items():
+            _replace(path / name, data)
+        # One sync for all names: a crash that kept only a later one leaves a miss, as any other torn artifact.
+        sync_folder(path)
+
+    def names(self, folder: str) -> Iterator[str]:
+        """See `Files.names`."""
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            yield from sorted(path.name for path in (self.place / folder).iterdir())
+
+    def sizes(self, folder: str) -> dict[str, int]:
+        """See `Files.sizes`."""
+        found = {}
+        for name in self.names(folder):
+            path = self.place / folder / name
+            with contextlib.suppress(FileNotFoundError):  # another process has tidied it away
+                if path.is_file():
+                    found[name] = path.stat().st_size
+        return found
+
+    def remove(self, name: str) -> None:
+        """See `Files.remove`."""
+        path = self.place / name
+        with contextlib.suppress(FileNotFoundError):
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path)
+            else:
+                path.unlink()
+
+    def abandoned(self, folder: str) -> list[str]:
+        """See `Files.abandoned`; where files cannot be locked, none is."""
+        return [
+            name for name in self.names(folder) if name.startswith(TEMPORARY) and _is_free(self.place / folder / name)
+        ]
+
+    @contextlib.contextmanager
+    def shared(self) -> Iterator[None]:
+        """See `Files.shared`; the folder itself is locked, so that no lock file is left."""
+        with _locked(self.place, fcntl.LOCK_SH):
+            yield
+
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[bool]:
+        """See `Files.alone`."""
+        with _locked(self.place, fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
+            yield held
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write a file so that readers see the old one, the new one or none, and a crash leaves no torn one."""
+    _replace(path, data)
+    sync_folder(path.parent)
+
+
+def sync_folder(folder: Path) -> None:
+    """Make renames in a folder durable, where the file system can."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def _replace(path: Path, data: bytes) -> None:
+    temporary = path.with_name(f"{TEMPORARY}{uuid.uuid4().hex}")
+    try:
+        with temporary.open("wb") as stream:
+            with contextlib.suppress(OSError):  # no locks here: then nobody takes it for abandoned either
+                fcntl.flock(stream, fcntl.LOCK_EX)
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+            temporary.replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+        raise
+
+
+def _is_free(file: Path) -> bool:
+    with _locked(file, fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
+        return held
+
+
+@contextlib.contextmanager
+def _locked(path: Path, how: int) -> Iterator[bool]:
+    """Lock a file or folder while entered; False when it is gone, is held, or has no locks."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY)
+    except OSError:
+        yield False
+        return
+    try:
+        try:
+            fcntl.flock(descriptor, how)
+        except OSError:
+            yield False
+        else:
+            yield True
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,109 @@
+"""Files on an object store, by way of fsspec: ``s3://bucket/prefix`` with the extra ``s3``.
+
+An object is put whole or not at all, and two writers of one key put the same bytes, so that neither temporary names
+nor conditions are needed. Credentials and endpoints are those of the protocol's own configuration.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.errors import StartError
+from pipeline.store.filesystem.base import Url
+
+
+@dataclass(frozen=True)
+class ObjectFiles:
+    """See `pipeline.store.filesystem.base.Files`; ``system`` is an fsspec file system that keeps no listings."""
+
+    place: Url
+    system: Any
+    threads = 32
+
+    def exists(self) -> bool:
+        """See `Files.exists`."""
+        with _failing(self.place):
+            return bool(self.system.exists(self._path("")))
+
+    def probe(self) -> None:
+        """See `Files.probe`."""
+        self.write("", {".probe": b"probe"})
+        self.remove(".probe")
+
+    def read(self, name: str) -> memoryview:
+        """See `Files.read`."""
+        with _failing(self.place):
+            # In one request: several at once would be preceded by another, for the length.
+            return memoryview(self.system.cat_file(self._path(name), max_concurrency=1))
+
+    def write(self, folder: str, files: Mapping[str, bytes]) -> None:
+        """See `Files.write`: an object that was put is durable."""
+        with _failing(self.place):
+            for name, data in files.items():
+                self.system.pipe_file(self._path(folder, name), data)
+
+    def names(self, folder: str) -> Iterator[str]:
+        """See `Files.names`; fsspec asks for one page after another."""
+        yield from sorted(self._listed(folder))
+
+    def sizes(self, folder: str) -> dict[str, int]:
+        """See `Files.sizes`."""
+        listed = self._listed(folder)
+        return {name: int(listed[name]["size"]) for name in sorted(listed) if listed[name]["type"] == "file"}
+
+    def remove(self, name: str) -> None:
+        """See `Files.remove`."""
+        with _failing(self.place), contextlib.suppress(FileNotFoundError):
+            self.system.rm(self._path(name), recursive=True)
+
+    def abandoned(self, folder: str) -> list[str]:
+        """See `Files.abandoned`: there are no temporary files here."""
+        return []
+
+    @contextlib.contextmanager
+    def shared(self) -> Iterator[None]:
+        """See `Files.shared`: an object store has no locks."""
+        yield
+
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[bool]:
+        """See `Files.alone`: it cannot be known."""
+        yield False
+
+    def _path(self, *names: str) -> str:
+        return "/".join([str(self.system._strip_protocol(self.place)), *filter(None, names)])
+
+    def _listed(self, folder: str) -> dict[str, Any]:
+        path = self._path(folder)
+        with _failing(self.place), contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            found = {one["name"].rstrip("/").rpartition("/")[2]: one for one in self.system.ls(path, detail=True)}
+            # Some stores have an empty object of the folder's own name.
+            return {name: one for name, one in found.items() if one["name"].strip("/") != path.strip("/")}
+        return {}
+
+
+def open_objects(place: Url) -> ObjectFiles:
+    """The files below a URL; raises `StartError` when fsspec does not know the protocol or lacks its package."""
+    try:
+        import fsspec  # type: ignore[import-untyped]
+
+        system, _ = fsspec.url_to_fs(place, use_listings_cache=False)
+    except (ImportError, ValueError) as error:
+        raise StartError(
+            f"{place}: cannot be opened ({error}); for s3:// install riot-shapes[s3], or give a folder"
+        ) from error
+    return ObjectFiles(place, system)
+
+
+@contextlib.contextmanager
+def _failing(place: Url) -> Iterator[None]:
+    """Clients raise errors of their own for networks and services that fail; here all of them are OSError."""
+    try:
+        yield
+    except OSError:
+        raise
+    except Exception as error:
+        raise OSError(f"{place}: {type(error).__name__}: {error}") from error

@@ -1,0 +1,191 @@
+"""Store: content-addressed artifacts in a folder or on an object store; the manifest is the commit.
+
+``<stage>/<kk>/<key>/payload.bin`` is written first, ``manifest.json`` with the payload's digest last, each whole or
+not at all (`pipeline.store.filesystem`). Writers do not wait for one another: two of one key write the same payload.
+Whatever is torn, truncated or altered is a miss with the reason ``corrupt``, and gets written again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import PayloadError
+from pipeline.plan.keys import SCHEMA, KeyParts, digest_bytes, digest_text
+from pipeline.store.artifact import Artifact, canonical_json, decode, encode
+from pipeline.store.filesystem.base import Files, Place
+from pipeline.store.filesystem.choose import open_files
+from pipeline.store.filesystem.local import TEMPORARY as TEMPORARY  # for whoever writes files beside a store
+from pipeline.store.filesystem.local import sync_folder as sync_folder
+from pipeline.store.filesystem.local import write_atomically as write_atomically
+from pipeline.store.storage_errors import writing_to
+
+PAYLOAD = "payload.bin"
+MANIFEST = "manifest.json"
+KEY = re.compile("[0-9a-f]{64}")
+
+CHECKED = 16
+"""Artifacts that a thread checks at a time."""
+
+
+class State(Enum):
+    """What the store knows of a key."""
+
+    PRESENT = "present"
+    ABSENT = "absent"
+    CORRUPT = "corrupt"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A committed artifact: its manifest, read but not yet checked against the payload."""
+
+    stage: str
+    key: str
+    digest: str
+    size: int
+    parts: Mapping[str, Any]
+    cost: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Store:
+    """Artifacts below one place. Any number of processes may read and write it at once."""
+
+    root: Place
+
+    @cached_property
+    def files(self) -> Files:
+        """The files below it; raises `pipeline.errors.StartError` where an object store's client is not installed."""
+        return open_files(self.root)
+
+    @property
+    def text(self) -> str:
+        """Where it is, for processes and records with another working folder (see `place_of`)."""
+        return str(self.root.absolute() if isinstance(self.root, Path) else self.root)
+
+    def folder(self, stage: str, key: str) -> Place:
+        """Where the artifact of a key lives, whether it exists or not."""
+        return self.root.joinpath(folder_name(stage, key))
+
+    def put(self, parts: KeyParts, artifact: Artifact, cost: Mapping[str, float] | None = None) -> str:
+        """Write an artifact under the key of ``parts`` and commit it; returns the key.
+
+        ``cost`` (seconds, cpu_seconds, peak_mb) is kept in the manifest for estimates; it is no part of the payload.
+        """
+        return self.commit(parts, encode(artifact), cost or {})
+
+    def commit(
+        self, parts: KeyParts, payload: bytes | memoryview, cost: Mapping[str, float], accepted: str | None = None
+    ) -> str:
+        """`put` an encoded artifact; ``accepted`` is the key of the artifact that it was taken from, if it was.
+
+        Raises `pipeline.errors.PlaceError` where nothing more can be written, OSError where this could not.
+        """
+        key = parts.key()
+        manifest = {
+            "schema": SCHEMA,
+            "stage": parts.stage,
+            "key": key,
+            "digest": digest_bytes(payload),
+            "bytes": len(payload),
+            "parts": parts.to_json(),
+            "cost": dict(cost or {}),
+        }
+        if accepted is not None:
+            manifest["accepted"] = accepted
+        written = {PAYLOAD: bytes(payload), MANIFEST: canonical_json(manifest).encode()}
+        with writing_to(self.root):
+            self.files.write(folder_name(parts.stage, key), written)
+        return key
+
+    def entry(self, stage: str, key: str) -> Entry | None:
+        """The manifest of a key; None without one. Raises `PayloadError` when it is damaged."""
+        try:
+            raw = self.files.read(f"{folder_name(stage, key)}/{MANIFEST}")
+        except FileNotFoundError:
+            return None
+        try:
+            data = json.loads(bytes(raw))
+            if data["schema"] != SCHEMA or data["stage"] != stage or data["key"] != key:
+                raise PayloadError(f"manifest of {stage}/{key[:12]} names another artifact or schema")
+            if digest_text(canonical_json(data["parts"])) != key:
+                raise PayloadError(f"manifest of {stage}/{key[:12]} was altered")
+            return Entry(stage, key, data["digest"], int(data["bytes"]), data["parts"], data["cost"])
+        except (ValueError, KeyError, TypeError) as error:
+            raise PayloadError(f"manifest of {stage}/{key[:12]} is damaged: {error}") from error
+
+    def state(self, stage: str, key: str) -> State:
+        """Check a key down to the last byte of its payload."""
+        return self.check(stage, key)[0]
+
+    def check(self, stage: str, key: str) -> tuple[State, Mapping[str, float]]:
+        """Check a key as `state` does; with what it once cost, if it is present."""
+        try:
+            entry = self.entry(stage, key)
+            if entry is None:
+                return State.ABSENT, {}
+            self.payload(entry).release()
+            return State.PRESENT, entry.cost
+        except (PayloadError, OSError):
+            return State.CORRUPT, {}
+
+    def check_all(self, references: Sequence[tuple[str, str]]) -> list[tuple[State, Mapping[str, float]]]:
+        """`check` each of many (stage, key), in order; several at once, since most of it is waiting and hashing."""
+        parts = [references[start : start + CHECKED] for start in range(0, len(references), CHECKED)]
+        with ThreadPoolExecutor(self.files.threads) as threads:
+            found = threads.map(lambda part: [self.check(*reference) for reference in part], parts)
+            return [one for part in found for one in part]
+
+    def get(self, stage: str, key: str) -> Artifact:
+        """Read an artifact; the payload is checked, and its arrays are read-only views of the mapped file.
+
+        Raises KeyError when it is absent, `PayloadError` when it is corrupt.
+        """
+        entry = self.entry(stage, key)
+        if entry is None:
+            raise KeyError(f"no artifact {stage}/{key} in {self.root}")
+        return decode(self.payload(entry))
+
+    def entries(self, stage: str | None = None) -> Iterator[Entry]:
+        """All committed artifacts whose manifests can be read, in order of stage and key."""
+        for name, key in self.folders(stage):
+            with contextlib.suppress(PayloadError):
+                entry = self.entry(name, key)
+                if entry is not None:
+                    yield entry
+
+    def folders(self, stage: str | None = None) -> Iterator[tuple[str, str]]:
+        """(stage, key) of every artifact folder, committed or not, sorted."""
+        for name in self.files.names("") if stage is None else [stage]:
+            for part in self.files.names(name):
+                for key in self.files.names(f"{name}/{part}"):
+                    # Nothing but what `put` makes: whoever tidies a wrong folder must not find artifacts there.
+                    if KEY.fullmatch(key) and key[:2] == part:
+                        yield name, key
+
+    def payload(self, entry: Entry) -> memoryview:
+        """The bytes of a committed artifact; raises `PayloadError` when they are not what its manifest says."""
+        where = f"{entry.stage}/{entry.key[:12]}"
+        try:
+            view = self.files.read(f"{folder_name(entry.stage, entry.key)}/{PAYLOAD}")
+        except FileNotFoundError as error:
+            raise PayloadError(f"{where}: the payload is missing") from error
+        if len(view) != entry.size:
+            raise PayloadError(f"{where}: {len(view)} bytes, {entry.size} expected")
+        if digest_bytes(view) != entry.digest:
+            raise PayloadError(f"{where}: the payload was altered")
+        return view
+
+
+def folder_name(stage: str, key: str) -> str:
+    """The folder of an artifact below the store's place."""
+    return f"{stage}/{key[:2]}/{key}"

@@ -1,0 +1,1 @@
+"""A run's tables: their schemas, how they are written, and the record of the run."""

@@ -1,0 +1,52 @@
+"""The history of a transform that a run made: its chain of content keys, with what each of them names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pipeline.plan.keys import digest_text
+from pipeline.plan.plan import shape_key
+from pipeline.store.artifact import canonical_json
+from pipeline.tables.results import Results
+from riot.transform.history import History, Step
+from riot.transform.riot_file import from_json, to_json
+
+OF_PAIR = ("crs", "refine", "construct", "motion")
+"""Stages of a pair that its transform comes from, in order; which pairs are chosen is no part of a transform."""
+
+
+def pair_history(results: Results, pair: tuple[int, ...]) -> History:
+    """From what a run's transform of a pair comes: the same in any run that has it, whatever else was in it."""
+    plan, keys = results.plan, _keys(results, pair)
+    versions: dict[str, str] = {}
+    for stage in keys:
+        versions |= plan.recipes[stage].versions
+    first, second = (plan.items[position].digest for position in pair)
+    return History(
+        maker="pipeline.run",
+        pictures=(first, second),
+        steps=tuple(
+            Step(stage, plan.recipes[stage].values, digest_text(canonical_json(plan.recipes[stage].code)), found)
+            for stage, found in keys.items()
+        ),
+        versions=dict(sorted(versions.items())),
+    )
+
+
+def with_history(text: str | None, history: History) -> str | None:
+    """The text of a ``.riot`` file with its history; None for None."""
+    return None if text is None else to_json(replace(from_json(text), history=history))
+
+
+def _keys(results: Results, pair: tuple[int, ...]) -> dict[str, tuple[str, ...]]:
+    """Keys of P's and Q's shapes and trunks, then those of the pair, by stage."""
+    trunks = {item.members: item.key for item in results.work["trunks_full"]}
+    found = {
+        "ingest": tuple(shape_key(results.plan, position) for position in pair),
+        "trunks_full": tuple(trunks[position,] for position in pair),
+    }
+    for stage in OF_PAIR:
+        done = tuple(i.key for i in results.work[stage] if i.members == pair and i.reference in results.done)
+        if done:
+            found[stage] = done
+    return found

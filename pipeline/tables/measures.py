@@ -1,0 +1,91 @@
+"""A finished run in a few numbers, and its curves as CSV: ``python -m pipeline.tables.measures RUN -o DIR``.
+
+``measures.json`` has counts and scores, ``deformation.csv`` the transforms in order, ``stages.csv`` what stages cost.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+
+from pipeline.errors import StartError
+from pipeline.exit_codes import BAD_START, CLEAN
+from pipeline.store.store import write_atomically
+from pipeline.tables.record import read_record
+from pipeline.tables.results import Row
+
+QUANTILES = {"max": 1.0, "q90": 0.9, "median": 0.5}
+"""Of the scores of a run; each is a score that some pair has."""
+
+CURVES = {
+    "deformation": ("transforms", ("rank", "iou", "bound_p", "bound_q", "crs", "qcrs")),
+    "stages": ("timings", ("stage", "items", "stored_seconds")),
+}
+"""Files with a table's name and columns; of transforms those that are certified."""
+
+
+def measures(folder: Path) -> dict[str, int | float | None]:
+    """Counts of a finished run, and quantiles of CRS over selected and of IoU over certified pairs, None without any.
+
+    Raises `StartError` when there is no finished run in ``folder``.
+    """
+    record = read_record(folder)
+    if record is None:
+        raise StartError(f"{folder}: no finished run here; `python -m pipeline.run` makes one")
+    found: dict[str, int | float | None] = dict(record["counts"])
+    scores = {
+        "crs": [row["score"] for row in rows(folder, "crs")],
+        "iou": [row["iou"] for row in rows(folder, "transforms") if row["status"] == "certified"],
+    }
+    for score, values in scores.items():
+        for name, quantile in QUANTILES.items():
+            found[f"{score}_{name}"] = float(np.quantile(values, quantile, method="lower")) if values else None
+    return found
+
+
+def rows(folder: Path, name: str) -> list[Row]:
+    """Rows of a run's table."""
+    found: list[Row] = pq.read_table(folder / f"{name}.parquet").to_pylist()
+    return found
+
+
+def write_measures(run: Path, target: Path) -> None:
+    """Write the files; the same run gives the same bytes, but for the times in ``stages.csv``."""
+    target.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(measures(run), indent=1)
+    write_atomically(target / "measures.json", text.encode())
+    for curve, (name, columns) in CURVES.items():
+        kept = [row for row in rows(run, name) if row.get("status", "certified") == "certified"]
+        stream = io.StringIO()
+        writer = csv.DictWriter(stream, columns, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(kept)
+        write_atomically(target / f"{curve}.csv", stream.getvalue().encode())
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="python -m pipeline.tables.measures", description=(__doc__ or "").splitlines()[0]
+    )
+    parser.add_argument("run", type=Path, help="folder of a finished run, such as outputs/sample")
+    parser.add_argument("-o", "--output", type=Path, required=True, help="folder to write to")
+    given = parser.parse_args(arguments)
+    try:
+        write_measures(given.run, given.output)
+    except StartError as error:
+        print(f"Cannot start: {error}", file=sys.stderr)
+        return BAD_START
+    return CLEAN
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,93 @@
+"""Files of a run's folder, written beside their place and then renamed: tables, and folders that replace older ones."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import shutil
+import unicodedata
+import uuid
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pipeline.store.filesystem.local import LocalFiles
+from pipeline.store.store import TEMPORARY
+from pipeline.tables import schemas as tables
+from pipeline.tables.results import Row
+
+NAME_LENGTH = 40
+
+
+def write_table(folder: Path, name: str, batches: Iterable[pa.Table]) -> Path:
+    """Write the table ``name`` of `pipeline.tables.schemas.SCHEMAS`, batch by batch; returns its path."""
+    path, temporary = folder / f"{name}.parquet", new_place(folder)
+    write_parquet(temporary, tables.SCHEMAS[name], batches)
+    return temporary.replace(path)
+
+
+def write_parquet(path: Path, schema: pa.Schema, batches: Iterable[pa.Table]) -> None:
+    """Write batches as one Parquet file, in place."""
+    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+        for batch in batches:
+            writer.write_table(batch)
+
+
+def from_rows(schema: pa.Schema, rows: Iterable[Row]) -> pa.Table:
+    """Rows as a table; what a row lacks is null."""
+    return pa.Table.from_pylist(list(rows), schema=schema)
+
+
+def from_columns(schema: pa.Schema, **columns: Any) -> pa.Table:
+    """Columns, all of the schema's, as a table."""
+    arrays = [pa.array(columns[field.name], type=field.type) for field in schema]
+    return pa.Table.from_arrays(arrays, schema=schema)
+
+
+def new_place(folder: Path) -> Path:
+    """A path in ``folder`` for what is not whole yet; nothing is there."""
+    return folder / f"{TEMPORARY}{uuid.uuid4().hex}"
+
+
+def replace_folder(temporary: Path, target: Path) -> None:
+    """Put a finished folder in the place of an older one, which is removed."""
+    if target.exists():
+        old = new_place(target.parent)
+        target.replace(old)
+        temporary.replace(target)
+        shutil.rmtree(old)
+    else:
+        temporary.replace(target)
+
+
+@contextlib.contextmanager
+def swept(folder: Path) -> Iterator[None]:
+    """Enter a run's folder; what is left there half written is removed, unless another run is in it, too.
+
+    On entering that is what a killed run left, on leaving what this one had no room to end.
+    """
+    files = LocalFiles(folder)
+
+    def sweep() -> None:
+        for name in files.names(""):
+            if name.startswith(TEMPORARY):
+                files.remove(name)
+
+    with files.alone() as alone:
+        if alone:
+            sweep()
+        try:
+            yield
+        finally:
+            if alone:
+                with contextlib.suppress(OSError):  # of a disk that became read-only: the next run removes it
+                    sweep()
+
+
+def file_name(name: str) -> str:
+    """A name as part of a file's name: ASCII letters, digits, dots and dashes, not too long, never empty."""
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    return re.sub(r"[^A-Za-z0-9.-]+", "-", plain)[:NAME_LENGTH].strip("-.") or "shape"

@@ -1,0 +1,50 @@
+"""Writing a run's puzzles: a folder of files each, and a table of what became of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from pipeline.store.store import write_atomically
+from pipeline.tables import schemas as tables
+from pipeline.tables.outputs import from_rows, new_place, replace_folder, write_table
+from pipeline.tables.results import Results, Row
+
+FOLDER = "print"
+
+SHARED = ("rank", "i", "j", "name_i", "name_j", "class_i", "class_j")
+"""Columns that a puzzle has in common with its transform."""
+
+
+def write_puzzles(results: Results, transforms: Sequence[Row], folder: Path) -> list[Path]:
+    """Write ``print/<pair>/…`` and the table `fabrications` into ``folder``; returns the files.
+
+    ``transforms`` are the rows of that table, with rank and file, a puzzle's folder is named as its transform's file.
+    Puzzles of an earlier run are replaced.
+    """
+    temporary = new_place(folder)
+    temporary.mkdir()
+    of_pair = {(row["i"], row["j"]): row for row in transforms}
+    rows, files = [], []
+    for item in results.work.get("fabricate", ()):
+        artifact = results.artifact(item)
+        if artifact is None or "status" not in artifact.document:
+            continue
+        p, q = (int(results.numbers[position]) for position in item.members)
+        transform = of_pair[p, q]
+        place = f"{FOLDER}/{Path(transform['file']).stem}" if artifact.arrays else ""
+        for name, data in artifact.arrays.items():
+            target = temporary / Path(place).name / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(target, data.tobytes())
+            files.append(folder / place / name)
+        rows.append(_row(transform, artifact.document, place))
+    replace_folder(temporary, folder / FOLDER)
+    rows.sort(key=lambda row: int(row["rank"]))
+    return [write_table(folder, "fabrications", [from_rows(tables.FABRICATIONS, rows)]), *files]
+
+
+def _row(transform: Row, document: Mapping[str, object], place: str) -> Row:
+    # The document has the other columns of the table, whose names need no stage to be loaded.
+    own = [name for name in tables.FABRICATIONS.names if name not in (*SHARED, "folder")]
+    return {**{name: transform[name] for name in SHARED}, **{name: document.get(name) for name in own}, "folder": place}

@@ -1,0 +1,148 @@
+"""run.json: what a run was, and whether its folder still holds exactly that."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from pipeline.plan.code_digest import code_digests
+from pipeline.plan.keys import digest_bytes, digest_text
+from pipeline.store.artifact import canonical_json
+from pipeline.store.store import write_atomically
+from pipeline.tables.results import Results
+from riot.draw.texture.names import SIDES
+
+RECORD = "run.json"
+ARTIFACTS = "artifacts.json"
+REPORT = "report.html"
+GALLERY = "gallery"
+STUDY = "study"
+FORMAT = "riot-run"
+VERSION = 1
+SHOWING = ("pipeline.tables.write", "pipeline.report")
+"""Modules whose code decides what tables and report look like."""
+
+LIBRARIES = (
+    "numpy",
+    "scipy",
+    "numba",
+    "shapely",
+    "scikit-image",
+    "pillow",
+    "matplotlib",
+    "pyarrow",
+    "dask",
+    "distributed",
+)
+
+
+def outcome_digest(results: Results) -> str:
+    """Digest of everything that the tables and the report show, times aside."""
+    items = [[item.name, item.cls, results.source(item), item.digest] for item in results.plan.items]
+    work = [[*item.reference, item.reference in results.done] for items in results.work.values() for item in items]
+    code = {name: digest for module in SHOWING for name, digest in code_digests(module).items()}
+    return digest_text(canonical_json([VERSION, items, work, results.errors, code, metadata.version("pyarrow")]))
+
+
+def plain_config(config: Any) -> dict[str, Any]:
+    """The configuration as JSON values."""
+    return json.loads(json.dumps(dataclasses.asdict(config), default=str))  # type: ignore[no-any-return]
+
+
+def write_record(
+    folder: Path, results: Results, digest: str, files: Sequence[Path], exit_code: int, times: Mapping[str, Any]
+) -> None:
+    """Write ``artifacts.json`` (the keys that the run stands on) and then ``run.json``, the run's commit."""
+    keys: dict[str, list[str]] = {}
+    for stage, key in sorted(results.done):
+        keys.setdefault(stage, []).append(key)
+    write_atomically(folder / ARTIFACTS, json.dumps(keys, indent=0).encode())
+    record = {
+        "format": FORMAT,
+        "version": VERSION,
+        "dataset": results.collection.name,
+        "outcome": digest,
+        "exit_code": exit_code,
+        "configuration": plain_config(results.plan.config),
+        "store": results.store.text,  # the configuration's may be relative to where the run was started
+        "versions": {
+            "riot": metadata.version("riot-shapes"),
+            "python": platform.python_version(),
+            **{name: metadata.version(name) for name in LIBRARIES},
+        },
+        "counts": counts(results),
+        "stages": [dataclasses.asdict(stage) for stage in results.stages],
+        "times": dict(times),
+        "files": {file.relative_to(folder).as_posix(): digest_bytes(file.read_bytes()) for file in files},
+    }
+    write_atomically(folder / RECORD, json.dumps(record, indent=1, ensure_ascii=False).encode())
+
+
+def counts(results: Results) -> dict[str, int]:
+    """Items, shapes, pairs, transforms, motions and errors by number.
+
+    ``classes`` counts a shape without a class as one of its own; ``without_trunks`` the shapes known to have none;
+    ``refused_textures`` the pictures that may have colours and can be no texture; ``blocked`` the work items
+    that were not tried because an input had failed.
+    """
+    made = [results.artifact(item) for item in results.work["construct"]]
+    statuses = [artifact.document["status"] for artifact in made if artifact is not None]
+    motions = [results.artifact(item) for item in results.work["motion"]]
+    flat = [bool(one.document["swings_flat"]) for one in motions if one is not None and "swings_flat" in one.document]
+    printed = [results.artifact(item) for item in results.work.get("fabricate", ())]
+    puzzles = [one.document["status"] for one in printed if one is not None and "status" in one.document]
+    painted = [(item, results.artifact(item)) for item in results.work.get("paint", ())]
+    refused = {
+        item.members[SIDES.index(row["side"])]
+        for item, one in painted
+        if one is not None
+        for row in one.document.get("refused", ())
+    }
+    shapes = results.shapes
+    return {
+        "items": len(results.plan.items) + len(results.collection.rejected),
+        "ignored_files": results.collection.ignored,
+        "shapes": shapes,
+        "classes": results.classes,
+        "without_trunks": results.without_trunks,
+        "rejected_items": len(results.plan.items) + len(results.collection.rejected) - shapes,
+        "pairs": shapes * (shapes - 1) // 2,
+        "selected": len(results.pairs),
+        "certified": statuses.count("certified"),
+        "approximate": statuses.count("approximate"),
+        "rejected": statuses.count("rejected"),
+        "planned": len(flat),
+        "swing_flat": sum(flat),
+        "puzzles": puzzles.count("certified"),
+        "no_puzzles": len(puzzles) - puzzles.count("certified"),
+        "refused_textures": len(refused),
+        "errors": len(results.errors),
+        "blocked": results.blocked,
+    }
+
+
+def read_record(folder: Path) -> dict[str, Any] | None:
+    """The record of a finished run; None when there is none that this version can read."""
+    try:
+        record = json.loads((folder / RECORD).read_bytes())
+    except (OSError, ValueError):
+        return None
+    if not isinstance(record, dict) or record.get("format") != FORMAT or record.get("version") != VERSION:
+        return None
+    return record
+
+
+def holds(folder: Path, digest: str) -> bool:
+    """Whether ``folder`` holds a finished run of this outcome with its report and every file as it was written."""
+    record = read_record(folder)
+    if record is None or record.get("outcome") != digest or REPORT not in record["files"]:
+        return False
+    try:
+        return all(digest_bytes((folder / name).read_bytes()) == found for name, found in record["files"].items())
+    except OSError:
+        return False

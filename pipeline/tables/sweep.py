@@ -1,0 +1,85 @@
+"""The tables of a sweep: what became of each job beside its parameters, and what each of its stages cost."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pyarrow as pa
+
+from pipeline.exit_codes import BAD_START, CLEAN, FAILED, WITH_ERRORS
+from pipeline.tables import schemas as tables
+from pipeline.tables.measures import measures, rows
+from pipeline.tables.outputs import from_rows, new_place, write_parquet
+from pipeline.tables.results import Row
+
+PREFIX = "sweep="
+"""Begins the name of the folder beside the runs; what is swept over follows."""
+
+STATUSES = {CLEAN: "clean", WITH_ERRORS: "errors", BAD_START: "refused", FAILED: "failed"}
+"""What a job's exit code says."""
+
+Value = bool | int | float | str | None
+
+COLUMNS = {bool: pa.bool_(), int: pa.int64(), float: pa.float64(), str: pa.string()}
+"""Types of parameters, and of their columns."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One job of a sweep: its values of what is swept over, by name, and its exit code.
+
+    ``folder`` has its tables, None if it did not finish; ``message`` says why.
+    """
+
+    values: Mapping[str, Value]
+    code: int
+    folder: Path | None = None
+    message: str = ""
+
+
+def write_sweep(outputs: Path, jobs: Sequence[Job]) -> Path:
+    """Write ``sweep.parquet`` and ``timings.parquet`` of jobs that sweep over the same parameters; returns the folder.
+
+    Rows are in order of the parameters, columns of parameters in order of name: the order of the jobs changes no byte
+    of ``sweep.parquet``. Parameters are numbers where all their values are.
+    """
+    names = sorted(jobs[0].values)
+    columns, kinds = {}, {}
+    for name in names:
+        columns[name], kinds[name] = _alike([job.values[name] for job in jobs])
+    # Of equal jobs the last, whose tables are the ones that are there.
+    places = {values: place for place, values in enumerate(zip(*columns.values(), strict=True))}
+    ordered = sorted(places, key=lambda values: [(value is not None, value) for value in values])
+    found = [(dict(zip(names, values, strict=True)), jobs[places[values]]) for values in ordered]
+    folder = outputs / (PREFIX + ",".join(names))
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder / "sweep.parquet", tables.SWEEP, kinds, [values | _row(job, outputs) for values, job in found])
+    stages = [values | stage for values, job in found if job.folder for stage in rows(job.folder, "timings")]
+    _write(folder / "timings.parquet", tables.TIMINGS, kinds, stages)
+    return folder
+
+
+def _row(job: Job, outputs: Path) -> Row:
+    row: Row = {"status": STATUSES[job.code], "message": job.message}
+    if job.folder is None:
+        return row
+    found = {name: value for name, value in measures(job.folder).items() if name in tables.SWEEP.names}
+    return row | found | {"folder": Path(os.path.relpath(job.folder, outputs)).as_posix()}
+
+
+def _write(path: Path, schema: pa.Schema, kinds: Mapping[str, pa.DataType], rows: Sequence[Row]) -> None:
+    whole, temporary = tables.with_parameters(schema, kinds), new_place(path.parent)
+    write_parquet(temporary, whole, [from_rows(whole, rows)])
+    temporary.replace(path)
+
+
+def _alike(values: Sequence[Value]) -> tuple[list[Value], pa.DataType]:
+    """Values of one parameter as one type: whole numbers beside others are numbers, other mixtures are text."""
+    kinds = {type(value) for value in values if value is not None}
+    if len(kinds) == 1:
+        return list(values), COLUMNS[kinds.pop()]
+    kind = float if kinds == {int, float} else str
+    return [None if value is None else kind(value) for value in values], COLUMNS[kind]

@@ -1,0 +1,1 @@
+"""The commands of two files: make, show, trunks, print, slices."""

@@ -1,5 +1,0 @@
-"""The paper's construction: arcs swung into the trunk are pushed until they tile it, nearly (paper §4.3, theory §8)."""
-
-from riot.construct.laplacian.method import construct_laplacian
-
-__all__ = ["construct_laplacian"]

@@ -1,0 +1,178 @@
+"""From two shapes to a transform: which trunks to construct on, given by the user or found by CRS."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy.typing as npt
+
+from riot.construction.draft import require_plan_contact
+from riot.construction.given import given_pair
+from riot.construction.make import construct_plan
+from riot.construction.pins import Pins
+from riot.construction.plan import Plan, TrunkPair, plan_pair
+from riot.construction.refine import refine
+from riot.errors import ConstructionError, TrunkError
+from riot.geometry.shape import Shape
+from riot.parameters.method import ConstructParameters, CrsParameters, RefineParameters, TrunkParameters
+from riot.scores.crs import CrossScore, best_trunk_pairs
+from riot.scores.trunks import full_trunks
+from riot.transform.transform import Transform
+
+
+def construct(
+    a: Shape,
+    b: Shape,
+    trunks: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    parameters: ConstructParameters | None = None,
+    refinement: RefineParameters | None = None,
+    pins: Pins | None = None,
+) -> Transform:
+    """Construct an exact transform of a into b.
+
+    Parameters
+    ----------
+    a, b : Shape
+    trunks : two (n, 2) arrays, optional
+        Trunk vertices of a and of b as coordinates in the shapes' frames (`Shape.from_source` converts), on or near the
+        outlines, in corresponding order: round a one way, round b the other. Given them, no search takes place; they
+        are made conjugate and refined. Without them the trunk pairs of highest CRS are tried, and the transform of
+        least deformation is returned.
+    parameters : ConstructParameters, optional
+        With ``method="laplacian"`` the transform is the paper's, which overlaps and leaves gaps: its certificate fails.
+    refinement : RefineParameters, optional
+        Of the trunks, found or given; with ``sketched=0, refined=0`` they are only made conjugate.
+    pins : Pins, optional
+        Stretches of either outline to keep, or drawn anew (exact method).
+
+    Raises
+    ------
+    TrunkError
+        There is no trunk pair, or the given one is not on the outlines, not convex, or not in corresponding order.
+    ConstructionError
+        No trunk pair gave an exact transform; ``reason`` and the message say why the best one failed.
+    """
+    parameters, refinement = parameters or ConstructParameters(), refinement or RefineParameters()
+    if trunks is not None:
+        if len(trunks) != 2:
+            raise TrunkError(f"trunks holds {len(trunks)} items: give two, the vertices on a and those on b")
+        pair = given_pair(a, b, *trunks, parameters.snap, refinement.reach)
+        plans, unplanned = plan_pairs([pair], refinement)
+        # Refined trunks may lose contact that the given ones have.
+        plans = sorted({*refine_best(plans, refinement), *plans}, key=lambda plan: -plan.bound)
+        return construct_plans(plans, unplanned, parameters, pins)
+    plans, unplanned = find_plans(a, b, refinement)
+    return construct_plans(plans, unplanned, parameters, pins)
+
+
+def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None) -> list[Plan]:
+    """Refined trunk pairs of two shapes, the one that allows the least deformation first; TrunkError if there is none.
+
+    Each is a choice: `construct_plan` makes the transform on it, `riot.construction.draft.draft_plan` also with pins.
+    """
+    plans, unplanned = find_plans(a, b, refinement or RefineParameters())
+    if not plans:
+        raise TrunkError(f"no trunk pair of {a.name or 'P'} and {b.name or 'Q'} will do: {unplanned[0]}")
+    return plans
+
+
+def find_plans(a: Shape, b: Shape, refinement: RefineParameters) -> tuple[list[Plan], list[ConstructionError]]:
+    """Refined plans on the trunk pairs of highest CRS, and why the others gave none; TrunkError without trunk pairs."""
+    full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
+    for shape, found in ((a, full_a), (b, full_b)):
+        if len(found) == 0:
+            raise TrunkError(
+                f"{shape.name or 'the shape'} has no trunk: no convex polygon inscribed in it passes all tests"
+            )
+    scores = best_trunk_pairs(a, b, full_a, full_b, CrsParameters(), refinement.candidates)
+    if not scores:
+        raise TrunkError(f"{a.name or 'P'} and {b.name or 'Q'} have no trunks with the same number of vertices")
+    return refine_scored(a, b, scores, refinement)
+
+
+def refine_scored(
+    a: Shape, b: Shape, scores: Sequence[CrossScore], refinement: RefineParameters
+) -> tuple[list[Plan], list[ConstructionError]]:
+    """As `find_plans`, of trunk pairs that are known."""
+    plans, unplanned = plan_pairs(trunk_pairs(a, b, scores, refinement.reach), refinement)
+    return refine_best(plans, refinement), unplanned
+
+
+def trunk_pairs(a: Shape, b: Shape, scores: Sequence[CrossScore], reach: float) -> list[TrunkPair]:
+    """The trunk pairs of ``scores``, in order; ``reach`` as in `TrunkPair`."""
+    return [TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b, reach) for score in scores]
+
+
+def plan_pairs(pairs: Sequence[TrunkPair], parameters: RefineParameters) -> tuple[list[Plan], list[ConstructionError]]:
+    """Plans, highest bound first, and why the other trunk pairs gave none."""
+    plans: list[Plan] = []
+    unplanned: list[ConstructionError] = []
+    for pair in pairs:
+        try:
+            plans.append(plan_pair(pair, parameters.bound_lines))
+        except ConstructionError as error:
+            unplanned.append(error)
+    return sorted(plans, key=lambda plan: -plan.bound), unplanned
+
+
+def refine_best(plans: Sequence[Plan], parameters: RefineParameters) -> list[Plan]:
+    """Plans, highest bound first, with the most promising refined a little, and the best of these to the end."""
+    rest = list(plans)
+    for count, steps in ((parameters.sketched, parameters.sketch_steps), (parameters.refined, parameters.steps)):
+        rest = [refine(plan, steps, parameters) for plan in rest[:count]] + rest[count:]
+        rest.sort(key=lambda plan: -plan.bound)
+    return rest
+
+
+def drop_without_contact(
+    plans: Sequence[Plan], spacing: float, allowed: float
+) -> tuple[list[Plan], list[ConstructionError]]:
+    """Plans from the first on whose pieces keep their edges, so that its bound can be had; why those before it do not.
+
+    ``spacing`` and ``allowed`` as in `riot.construction.draft.require_plan_contact`.
+    """
+    errors: list[ConstructionError] = []
+    for k, plan in enumerate(plans):
+        try:
+            require_plan_contact(plan, spacing, allowed)
+        except ConstructionError as error:
+            errors.append(error)
+        else:
+            return list(plans[k:]), errors
+    return [], errors
+
+
+def construct_plans(
+    plans: Sequence[Plan],
+    unplanned: Sequence[ConstructionError],
+    parameters: ConstructParameters,
+    pins: Pins | None = None,
+) -> Transform:
+    """The best transform of the first ``attempts`` plans that give one; one whose bound is passed is left out.
+
+    An exact one must pass its certificate. Raises ConstructionError with the first reason if there is none.
+    """
+    best: Transform | None = None
+    best_iou = -1.0
+    failures: list[ConstructionError] = []
+    made = 0
+    for plan in plans:
+        if made == parameters.attempts:
+            break
+        if best is not None and plan.bound <= best_iou:
+            continue
+        try:
+            transform = construct_plan(plan, parameters, pins)
+        except ConstructionError as error:
+            failures.append(error)
+            continue
+        made += 1
+        iou = min(transform.overlap_ratios)
+        if iou > best_iou:
+            best, best_iou = transform, iou
+    if best is None:
+        first = [*failures, *unplanned][0]
+        count = len(plans) + len(unplanned)
+        tried = "the trunk pair gives no" if count == 1 else f"none of {count} trunk pairs gives an"
+        raise ConstructionError(first.reason, f"{tried} exact transform; the most promising: {first}")
+    return best

@@ -1,0 +1,39 @@
+"""Making a pair of trunks conjugate: equal corresponding edges at the least movement of their vertices (theory §7)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from riot.errors import ConstructionError
+from riot.kernels.conjugate import conjugated, turns
+from riot.types import FloatArray
+
+TOLERANCE = 1e-14
+"""Greatest difference of corresponding edge lengths at which the iteration ends."""
+
+MOST_STEPS = 50
+
+
+def make_conjugate(trunk_p: FloatArray, trunk_q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Move two corresponding n-gons, (n, 2) each, least until |e_j| = |e'_j| for all j.
+
+    ``trunk_p`` is counter-clockwise, ``trunk_q`` clockwise. Equality-constrained least squares over all 4n
+    coordinates, by Gauss–Newton: every step goes to the point nearest to the start on the linearised constraints.
+    Raises ConstructionError if that fails or leaves a trunk that is not strictly convex. Ours; the paper says only
+    that it is done.
+    """
+    (conjugate_p, conjugate_q), worst = conjugated(np.stack([trunk_p, trunk_q]), TOLERANCE, MOST_STEPS)
+    if not worst <= 100.0 * TOLERANCE:
+        raise ConstructionError(
+            "not-conjugate", "the trunks could not be made conjugate: the iteration does not settle"
+        )
+    for name, trunk in (("P", conjugate_p), ("Q", conjugate_q[::-1])):
+        if not is_convex(trunk):
+            raise ConstructionError("not-convex", f"made conjugate, the trunk of {name} is no longer convex")
+    return conjugate_p, conjugate_q
+
+
+def is_convex(polygon: FloatArray) -> bool:
+    """Whether an (n, 2) polygon is strictly convex, counter-clockwise and goes round once."""
+    least, turn = turns(np.ascontiguousarray(polygon))
+    return bool(least > 0.0 and abs(turn - 2.0 * np.pi) < 1e-6)

@@ -1,0 +1,200 @@
+"""Detail: the tree's arcs moved to where both swung arcs beside them want them, topology and leaves fixed (theory §8).
+
+The middle lines of the partition round corners off and are wavy where straight lines should be. Both neighbours of a
+tree arc know better: each has a stretch of its swung arc there. The two stretches are matched, corners on corners and
+linear between, so that two straight lines average to a straight line; the samples of the whole tree then take the
+least-squares optimum of the Laplacian coordinates of the averages, junctions free. Where the result would cross itself
+or lose area it is drawn back towards the middle lines, which always are a valid tree. Ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from riot.construction.match import COINCIDENT, OFF_EDGES, DetailParameters, Match
+from riot.construction.tree import joined
+from riot.geometry.polyline import simplify_open
+from riot.kernels.detail import collisions, difference, solved
+from riot.kernels.matching import along, at, corresponding
+from riot.types import BoolArray, FloatArray, IntArray
+from riot.units import L_C
+
+ROUNDS = 8
+"""How often the tree is drawn back towards the middle lines, each time over twice the length, before they stay."""
+
+NEAR = 3.0
+"""A crossing is drawn back over so many samples on either side, first."""
+
+
+HELD = 1000.0
+"""How much harder a junction is drawn to its place than a displacement over the reach resists."""
+
+EVENLY = 0.2
+"""Share of the even correspondence in that of samples with the middle lines, so that it never stands still."""
+
+
+COLLINEAR = 1e-7 * L_C
+"""Samples this near to the chord over them are left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pull:
+    """Where samples are drawn: to ``wanted`` (k, 2) with ``weights`` (k,)."""
+
+    wanted: FloatArray
+    weights: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Detailed:
+    """Path around every cell, from corner k to corner k + 1, how many rounds of drawing back it took (`ROUNDS`: the
+    middle lines stayed), and the area that changes hands beyond that of the middle lines."""
+
+    paths: list[FloatArray] = field(repr=False)
+    rounds: int
+    loss: float
+
+
+def add_detail(
+    plain: Sequence[FloatArray],
+    arcs: Sequence[FloatArray],
+    match: Match,
+    parameters: DetailParameters,
+    pull: Pull | None = None,
+) -> Detailed:
+    """Solve for the tree's samples; draw them back to the middle lines until they are a planar tree that loses little.
+
+    ``plain`` are the paths around the cells along the middle lines, ``arcs`` the swung arcs, both by trunk edge.
+    ``pull`` draws samples elsewhere, and then area may be lost.
+    """
+    corners = np.array([arc[0] for arc in arcs])
+    least = _losses(plain, arcs, parameters)
+    count = len(match.targets)
+    drawn = _junctions(match, parameters)
+    if pull is not None:
+        drawn = Pull(
+            np.where(pull.weights[:, None] > 0.0, pull.wanted, drawn.wanted),
+            np.where(pull.weights > 0.0, pull.weights, drawn.weights),
+        )
+    best, smallest = match.targets, np.inf
+    limit = min(parameters.max_loss, parameters.max_share * least) if pull is None else np.inf
+    for accuracy in parameters.accuracy:
+        x = solved(
+            match.targets,
+            match.offsets,
+            match.which,
+            match.known,
+            drawn.wanted,
+            drawn.weights,
+            _softness(match, accuracy, parameters),
+            0.1 * parameters.step * L_C,
+        )
+        x = np.where(match.fixed[:, None], x, _inside(x, corners))
+        points, _ = _thinned(x, match.offsets)
+        loss = _losses([joined(points, walk) for walk in match.walks], arcs, parameters) - least
+        if loss < smallest:
+            best, smallest = x, loss
+        # What is pinned must not cost more around it than it has to.
+        if loss <= limit < np.inf:
+            break
+    free = ~match.fixed & (True if pull is None else pull.weights == 0.0)
+    middle = _middle(match, parameters.step * L_C)
+    away = np.hypot(*(middle - best).T)
+    back = np.zeros(count)
+    cap = 2.0 * float(away.max())
+    for rounds in range(ROUNDS):
+        x = np.where(match.fixed[:, None], best, _inside(best + back[:, None] * (middle - best), corners))
+        points, kept = _thinned(x, match.offsets)
+        crossing = np.zeros(count, dtype=np.bool_)
+        crossing[kept] = _crossings(points, match.ends, corners, parameters.clearance)
+        paths = [joined(points, walk) for walk in match.walks]
+        loss = _losses(paths, arcs, parameters) - least
+        if not crossing.any() and loss <= limit:
+            return Detailed(paths, rounds, loss)
+        if crossing.any():
+            far = np.sqrt(((x[:, None] - x[crossing][None]) ** 2).sum(axis=2).min(axis=1))
+            reach = NEAR * parameters.step * L_C * 2.0**rounds
+            back = np.maximum(back, np.clip(2.0 - far / reach, 0.0, 1.0))
+        if loss > limit:
+            cap *= 0.5
+            back = np.maximum(back, away**2 / (away**2 + cap**2))
+        back = np.where(free, back, 0.0)
+    return Detailed(list(plain), ROUNDS, 0.0)
+
+
+def _softness(match: Match, accuracy: float, parameters: DetailParameters) -> FloatArray:
+    """(k,) weight of positions: between arcs that are apart a displacement costs no area."""
+    apart = np.hypot(*(match.sides[0] - match.sides[1]).T) / (parameters.agreement * L_C)
+    strong, weak = ((length * L_C) ** -4.0 for length in (accuracy, max(accuracy, parameters.reach)))
+    return np.asarray(weak + strong / (1.0 + apart**2))
+
+
+def _junctions(match: Match, parameters: DetailParameters) -> Pull:
+    """Draw junctions to the mean of the arcs' ends there, but not far from where the partition has them."""
+    found = Pull(match.targets.copy(), np.zeros(len(match.targets)))
+    ends: dict[int, list[tuple[int, FloatArray]]] = {}
+    for k, arc in enumerate(match.tree):
+        for node, place, own in (
+            (arc.start, match.offsets[k], arc.points[0]),
+            (arc.end, match.offsets[k + 1] - 1, arc.points[-1]),
+        ):
+            if match.which[place] >= 0:
+                ends.setdefault(node, []).append((int(place), own))
+    for node, meeting in ends.items():
+        places, own = [place for place, _ in meeting], meeting[0][1]
+        # In a gap between smooth arcs nothing tells better than the middle lines where they meet.
+        step = match.targets[places].mean(axis=0) - own if node in match.cornered else np.zeros(2)
+        size = float(np.hypot(*step))
+        found.wanted[places] = own + step * min(1.0, parameters.junction * L_C / max(size, COINCIDENT))
+        found.weights[places] = HELD * (parameters.reach * L_C) ** -3.0
+    return found
+
+
+def _inside(x: FloatArray, corners: FloatArray) -> FloatArray:
+    """(k, 2) points moved into a counter-clockwise convex polygon (n, 2), off its edges but at its corners."""
+    out = x.copy()
+    near = np.sqrt(((x[:, None] - corners[None]) ** 2).sum(axis=2).min(axis=1))
+    margin = np.minimum(OFF_EDGES * near, OFF_EDGES * L_C)
+    for start, stop in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        ahead = (stop - start) / np.hypot(*(stop - start))
+        inward = np.array([-ahead[1], ahead[0]])
+        short = margin - (out - start) @ inward
+        out += np.where(short > 0.0, short, 0.0)[:, None] * inward
+    return out
+
+
+def _thinned(x: FloatArray, offsets: IntArray) -> tuple[list[FloatArray], IntArray]:
+    """Every tree arc without its collinear samples, and which samples are kept."""
+    kept = [first + simplify_open(x[first:last], COLLINEAR) for first, last in pairwise(offsets.tolist())]
+    return [x[rows] for rows in kept], np.concatenate(kept)
+
+
+def _crossings(points: Sequence[FloatArray], ends: IntArray, corners: FloatArray, clearance: float) -> BoolArray:
+    """(k,) which points of the tree's arcs are at a crossing of arcs, or of an arc and the trunk."""
+    n = len(corners)
+    edges = [corners[[k, (k + 1) % n]] for k in range(n)]
+    around = np.stack([np.arange(n), (np.arange(n) + 1) % n], axis=1)
+    offsets = np.concatenate([[0], np.cumsum([len(part) for part in [*points, *edges]])]).astype(np.int64)
+    nodes = np.concatenate([ends, around])
+    return collisions(np.concatenate([*points, *edges]), offsets, nodes, clearance)[: offsets[len(points)]]
+
+
+def _losses(paths: Sequence[FloatArray], arcs: Sequence[FloatArray], parameters: DetailParameters) -> float:
+    """Area that is in a cell or in its piece, not in both, summed."""
+    return sum(difference(path, arc, parameters.lines) for path, arc in zip(paths, arcs, strict=True))
+
+
+def _middle(match: Match, step: float) -> FloatArray:
+    """(k, 2) where every sample is on the middle lines."""
+    found = []
+    for arc, (first, last) in zip(match.tree, pairwise(match.offsets.tolist()), strict=True):
+        target = match.targets[first:last]
+        lengths, own = along(target), along(arc.points)
+        places = np.maximum.accumulate(corresponding(target, lengths, arc.points, step))
+        places = (1.0 - EVENLY) * places + EVENLY * lengths * (own[-1] / lengths[-1])
+        found.append(at(arc.points, own, places))
+    return np.concatenate(found)

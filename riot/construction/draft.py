@@ -1,0 +1,150 @@
+"""A construction kept to be solved again: both trunks partitioned once, pieces cut with any pins (theory §8). Ours."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from riot.construction.dissect import Dissection, dissect
+from riot.construction.match import DetailParameters
+from riot.construction.mesh import mesh_convex
+from riot.construction.partition import require_contact
+from riot.construction.pinning import pinned_paths
+from riot.construction.pins import Pins
+from riot.errors import ConstructionError
+from riot.geometry.polyline import edge_lengths, trunk_angles
+from riot.parameters.method import ConstructParameters
+from riot.transform.pose import Placement, rotate
+from riot.transform.transform import Piece, Transform
+from riot.types import FloatArray, IntArray
+from riot.units import L_C
+
+if TYPE_CHECKING:
+    from riot.construction.plan import Plan
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """A plan with its partitions.
+
+    Parameters
+    ----------
+    plan : Plan
+    lower, upper : Dissection
+        Of Q's trunk by P's arcs, and of P's trunk by Q's, as they are dissected: counter-clockwise.
+    """
+
+    plan: Plan
+    lower: Dissection
+    upper: Dissection
+
+    def transform(self, pins: Pins | None = None) -> Transform:
+        """Cut the pieces; ConstructionError ``pins`` if a pin cannot be met.
+
+        Without pins, the detail of a tree gives way to its middle lines where only these unfold without crossings. With
+        pins nothing gives way: look at the certificate.
+        """
+        if pins:
+            return self._pinned(pins)
+        made = self._cut(self.lower.paths, self.upper.paths)
+        if made.certificate().passed:
+            return made
+        for lower, upper in (
+            (self.lower.plain_paths, self.upper.paths),
+            (self.lower.paths, self.upper.plain_paths),
+            (self.lower.plain_paths, self.upper.plain_paths),
+        ):
+            made = self._cut(lower, upper)
+            if made.certificate().passed:
+                break
+        return made
+
+    def _pinned(self, pins: Pins) -> Transform:
+        plan = self.plan
+        made = self._cut(
+            pinned_paths(self.lower, plan.trunk_p[::-1], pins.p, plan.pair.p.name or "P"),
+            pinned_paths(self.upper, plan.trunk_q, pins.q, plan.pair.q.name or "Q"),
+        )
+        if not made.certificate().passed:
+            raise ConstructionError(
+                "pins",
+                f"with these pins the pieces do not unfold ({made.certificate().failure}): move them, or pin less",
+            )
+        return made
+
+    def _cut(self, lower: Sequence[FloatArray], upper: Sequence[FloatArray]) -> Transform:
+        plan = self.plan
+        n = len(plan.trunk_p)
+        lengths = 0.5 * (edge_lengths(plan.trunk_p) + edge_lengths(plan.trunk_q))
+        pieces = []
+        for i in range(n):
+            # Corner i + 1 of Q's trunk in corresponding order is corner n − 2 − i of it read backwards.
+            below = lower[(n - 2 - i) % n][::-1]
+            above = upper[i][::-1]
+            pieces.append(
+                Piece(
+                    float(lengths[i]),
+                    _in_piece_frame(below, plan.trunk_q[i], plan.trunk_q[(i + 1) % n], float(lengths[i])),
+                    _in_piece_frame(above, plan.trunk_p[i], plan.trunk_p[(i + 1) % n], float(lengths[i])),
+                )
+            )
+        return Transform(
+            pieces=tuple(pieces),
+            angles=trunk_angles(plan.trunk_p),
+            conjugate_angles=trunk_angles(plan.trunk_q),
+            place_p=Placement.of(plan.trunk_p),
+            place_q=Placement.of(plan.trunk_q),
+            p=plan.pair.p,
+            q=plan.pair.q,
+            trunk_p=plan.feet[0],
+            trunk_q=plan.feet[1],
+            bound_p=plan.bound_p,
+            bound_q=plan.bound_q,
+        )
+
+
+def draft_plan(plan: Plan, parameters: ConstructParameters, detail: DetailParameters | None = None) -> Draft:
+    """Partition both trunks of a plan; ConstructionError with the reason if a partition fails."""
+    # A dissection is made in a counter-clockwise trunk, region k on the edge from corner k to corner k + 1.
+    lower, upper = _backwards(plan.arcs_p, plan.offsets_p), _backwards(plan.arcs_q, plan.offsets_q)
+    return Draft(
+        plan,
+        dissect(plan.trunk_q[::-1], lower, parameters, "Q's trunk", detail),
+        dissect(plan.trunk_p, upper, parameters, "P's trunk", detail),
+    )
+
+
+def require_plan_contact(plan: Plan, spacing: float, allowed: float) -> None:
+    """ConstructionError if either partition would fail for want of contact; a small part of the cost of `draft_plan`.
+
+    ``spacing`` and ``allowed`` as `spacing` and `max_lost_contact` of `riot.parameters.method.ConstructParameters`.
+    """
+    for trunk, arcs, where in (
+        (plan.trunk_q[::-1], _backwards(plan.arcs_p, plan.offsets_p), "Q's trunk"),
+        (plan.trunk_p, _backwards(plan.arcs_q, plan.offsets_q), "P's trunk"),
+    ):
+        try:
+            require_contact(mesh_convex(trunk, L_C / spacing), *arcs, allowed)
+        except ConstructionError as error:
+            raise ConstructionError(error.reason, f"in {where}: {error}") from None
+
+
+def _backwards(arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntArray]:
+    """The arcs in opposite order, each read backwards: what runs clockwise around a trunk then runs
+    counter-clockwise."""
+    total = offsets[-1]
+    return np.ascontiguousarray(arcs[::-1]), (total - offsets[::-1]).astype(np.int64)
+
+
+def _in_piece_frame(path: FloatArray, start: FloatArray, stop: FloatArray, length: float) -> FloatArray:
+    """Move a path from ``start`` to ``stop``, or back, so that these lie at (0, 0) and (length, 0), exactly."""
+    edge = stop - start
+    moved = rotate(path - start, -math.atan2(edge[1], edge[0]))
+    ends = np.array([[0.0, 0.0], [length, 0.0]])
+    forwards = abs(moved[0, 0]) < 0.5 * length
+    moved[0], moved[-1] = (ends[0], ends[1]) if forwards else (ends[1], ends[0])
+    return moved

@@ -1,0 +1,57 @@
+"""What the pieces of a transform cover wrongly in either trunk, whether they tile it or not (theory §6, ours)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from riot.kernels.coverage import uncovered
+from riot.transform.pose import Pose
+from riot.transform.transform import Transform
+from riot.types import FloatArray, IntArray
+
+LINES = 2048
+"""Scanlines."""
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Areas that the pieces of one trunk cover wrongly; see `riot.kernels.coverage`."""
+
+    gaps: float
+    overlaps: float
+    outside: float
+
+    @property
+    def total(self) -> float:
+        """All three together: d_A of the trunk."""
+        return self.gaps + self.overlaps + self.outside
+
+
+def residual(trunk: FloatArray, arcs: FloatArray, offsets: IntArray, lines: int = LINES) -> Residual:
+    """Of arcs (s, 2) with ``offsets`` (n + 1,) in a convex trunk (n, 2), each piece on its arc's left.
+
+    By scanlines and winding numbers, so that arcs may cross each other and themselves.
+    """
+    areas = uncovered(np.ascontiguousarray(trunk), np.ascontiguousarray(arcs), offsets, lines)
+    return Residual(*map(float, areas))
+
+
+def residuals(transform: Transform, lines: int = LINES) -> tuple[Residual, Residual]:
+    """Of Q's parts in P's trunk, when the chain is closed as P; and of P's parts in Q's trunk, when it is closed as Q.
+
+    Areas of unit-area shapes; all 0 but for rounding where the transform is exact. Unlike the certificate's, they
+    mean something where outlines cross.
+    """
+    p, q = transform.pose(0.0), transform.pose(1.0)
+    return (
+        _placed(p, [piece.upper for piece in transform.pieces], lines),
+        _placed(q, [piece.lower for piece in transform.pieces], lines),
+    )
+
+
+def _placed(pose: Pose, parts: list[FloatArray], lines: int) -> Residual:
+    offsets = np.concatenate([[0], np.cumsum([len(part) for part in parts])]).astype(np.int64)
+    placed = np.concatenate([pose.place(i, part) for i, part in enumerate(parts)])
+    return residual(pose.origins, placed, offsets, lines)

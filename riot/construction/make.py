@@ -1,0 +1,29 @@
+"""From one plan to its transform: by the exact method, with its certificate, or by the paper's (theory §8)."""
+
+from __future__ import annotations
+
+from riot.construction.draft import draft_plan
+from riot.construction.laplacian import construct_laplacian
+from riot.construction.pins import Pins
+from riot.construction.plan import Plan
+from riot.errors import ConstructionError
+from riot.parameters.method import ConstructParameters
+from riot.transform.transform import Transform
+
+
+def construct_plan(plan: Plan, parameters: ConstructParameters, pins: Pins | None = None) -> Transform:
+    """The transform on one plan by ``parameters.method``; ConstructionError if an exact one is not to be had.
+
+    `riot.construction.draft.draft_plan` keeps the partitions of the exact method, to cut the pieces again with other
+    pins.
+    """
+    if parameters.method == "laplacian":
+        if pins:
+            raise ConstructionError("pins", "the paper's method (laplacian) knows no pins: use method=exact")
+        return construct_laplacian(plan, parameters)
+    made = draft_plan(plan, parameters).transform(pins)
+    certificate = made.certificate()
+    if not certificate.passed:
+        reason = "overlap" if certificate.p.simple and certificate.q.simple else "not-simple"
+        raise ConstructionError(reason, f"the certificate fails: {certificate.failure}")
+    return made

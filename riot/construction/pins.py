@@ -1,0 +1,121 @@
+"""Pins: what of an outline a user wants kept as it is, or drawn anew (theory §8: rows of the detail step). Ours.
+
+P's outline lives in the tree inside T̄, Q's in the tree inside T, so each shape's pins act on its own tree; the stretch
+that faces a pinned one across the same cut gives way. Pins come from Python or from a JSON file::
+
+    {"format": "riot-pins", "version": 1, "frame": "source",
+     "p": [{"keep": [[120, 40]]}, {"keep": [[10, 80], [60, 95]]}],
+     "q": [{"draw": [[200, 30], [215, 10], [230, 33]]}]}
+
+``frame`` says what the coordinates are: ``source``, the picture's pixels or the polygon's own, or ``shape``, unit area
+and centroid at the origin. ``keep`` holds points on or near the outline: one, the boundary around it; several, the
+stretch through them in order, of two points the shorter way round. ``draw`` is a line from one point of the outline to
+another, which replaces the stretch between them, the shorter way round; it lies on one piece.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from riot.errors import FormatError
+from riot.geometry.limits import JSON_BYTES, TooManyBytes, read_text
+from riot.geometry.shape import Shape
+from riot.types import FloatArray
+
+FORMAT = "riot-pins"
+VERSION = 1
+FRAMES = ("source", "shape")
+
+
+@dataclass(frozen=True, eq=False)
+class Pin:
+    """One pin: ``points`` (k, 2) float64 in the shape's frame; ``drawn``: they replace the boundary, else they name it.
+
+    ValueError if the points are not finite (k, 2), k ≥ 1, or of a drawn line not k ≥ 2.
+    """
+
+    points: FloatArray
+    drawn: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what names no stretch of boundary."""
+        points = self.points
+        fits = isinstance(points, np.ndarray) and points.ndim == 2 and points.shape[1:] == (2,)
+        if not fits or points.dtype != np.float64 or len(points) < 1 + self.drawn or not np.isfinite(points).all():
+            raise ValueError(f"a pin's points are (k, 2) finite float64, k ≥ {1 + self.drawn}; use keep() or draw()")
+
+
+@dataclass(frozen=True, eq=False)
+class Pins:
+    """Pins of P and of Q."""
+
+    p: tuple[Pin, ...] = ()
+    q: tuple[Pin, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.p or self.q)
+
+
+def keep(points: npt.ArrayLike) -> Pin:
+    """Keep the boundary at (2,) or through (k, 2) points of the shape's frame; see `Pin`."""
+    return Pin(np.atleast_2d(np.asarray(points, dtype=np.float64)))
+
+
+def draw(points: npt.ArrayLike) -> Pin:
+    """Replace the boundary between the ends of the line (k, 2) by that line, in the shape's frame; see `Pin`."""
+    return Pin(np.atleast_2d(np.asarray(points, dtype=np.float64)), drawn=True)
+
+
+def load_pins(path: str | os.PathLike[str], p: Shape, q: Shape) -> Pins:
+    """Read a pins file; ``p`` and ``q`` convert from their sources' coordinates. `FormatError` says what to change."""
+    try:
+        text = read_text(Path(path), JSON_BYTES)
+    except TooManyBytes as error:
+        raise FormatError(f"{path} is no pins file: {error}; keep few pins") from error
+    return pins_from_json(text, p, q, str(path))
+
+
+def pins_from_json(text: str, p: Shape, q: Shape, where: str = "text") -> Pins:
+    """As `load_pins`, from text; ``where`` names it in errors."""
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise FormatError(f"{where} is not a pins file: it is not JSON ({error})") from None
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise FormatError(f'{where} is not a pins file: write "format": "{FORMAT}" into it')
+    if document.get("version") != VERSION:
+        raise FormatError(f'{where} has version {document.get("version")!r}: write "version": {VERSION}')
+    frame = document.get("frame")
+    if frame not in FRAMES:
+        raise FormatError(f'{where}: "frame" is {frame!r}: write "source" (pixels) or "shape" (unit area)')
+    unknown = sorted(set(document) - {"format", "version", "frame", "p", "q"})
+    if unknown:
+        raise FormatError(f'{where}: "{unknown[0]}" means nothing here: pins stand under "p" and "q"')
+    sides = []
+    for name, shape in (("p", p), ("q", q)):
+        rows = document.get(name, [])
+        if not isinstance(rows, list):
+            raise FormatError(f'{where}: "{name}" is not a list: write [{{"keep": [[x, y]]}}, …]')
+        sides.append(tuple(_pin(row, shape, frame, f"{where}: pin {k} of {name}") for k, row in enumerate(rows)))
+    return Pins(*sides)
+
+
+def _pin(row: Any, shape: Shape, frame: str, where: str) -> Pin:
+    if not isinstance(row, dict) or len(row) != 1 or next(iter(row)) not in ("keep", "draw"):
+        raise FormatError(f'{where} is neither {{"keep": …}} nor {{"draw": …}}')
+    kind, value = next(iter(row.items()))
+    try:
+        points = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        points = np.empty(0)
+    least = 2 if kind == "draw" else 1
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < least or not np.isfinite(points).all():
+        raise FormatError(f"{where}: give a list of at least {least} [x, y], all of them numbers")
+    return Pin(shape.from_source(points) if frame == "source" else points, kind == "draw")

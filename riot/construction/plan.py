@@ -1,0 +1,175 @@
+"""What is constructed on: corresponding trunks, made conjugate, with both outlines' arcs swung in (theory §7, §8)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from riot.construction.conjugate import is_convex, make_conjugate
+from riot.errors import ConstructionError
+from riot.geometry.polyline import arc_length
+from riot.geometry.shape import Shape
+from riot.kernels.change import feet, least_changes, placed_arcs
+from riot.parameters.method import RefineParameters
+from riot.types import FloatArray, IntArray
+from riot.units import L_C
+
+Sides = tuple[FloatArray, IntArray, FloatArray, IntArray]
+"""Outline and windows of P, of Q, as `riot.kernels.change.least_changes` reads them."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrunkPair:
+    """Corresponding trunks of two outlines.
+
+    Parameters
+    ----------
+    p, q : Shape
+        The inputs.
+    outline_p, outline_q : (m, 2) float64
+        Their outlines, with the trunk vertices among the points.
+    trunk_p, trunk_q : (n,) int64
+        Trunk vertices among those points, in corresponding order: counter-clockwise on P, clockwise on Q.
+    reach : float
+        How far along the outline from its trunk vertex the point may lie where two arcs part, in units of ``L_c``;
+        never farther than half-way to the next trunk vertex.
+    """
+
+    p: Shape
+    q: Shape
+    outline_p: FloatArray
+    outline_q: FloatArray
+    trunk_p: IntArray
+    trunk_q: IntArray
+    reach: float = RefineParameters.reach
+
+    @cached_property
+    def corners(self) -> FloatArray:
+        """(2, n, 2) the trunk vertices on P and on Q."""
+        return np.stack([self.outline_p[self.trunk_p], self.outline_q[self.trunk_q]])
+
+    @cached_property
+    def sides(self) -> Sides:
+        """Outline and windows of P, of Q, as `riot.kernels.change.least_changes` reads them."""
+        # Read-only arrays would have the kernels compiled once more.
+        p, q = np.array(self.outline_p), np.array(self.outline_q)
+        return p, _windows(p, self.trunk_p, self.reach * L_C), q, _windows(q, self.trunk_q[::-1], self.reach * L_C)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A trunk pair made conjugate, and how close to the inputs an exact construction on it can come.
+
+    Parameters
+    ----------
+    pair : TrunkPair
+    trunks : (2, n, 2) float64
+        T in P's frame, counter-clockwise, and T̄ in Q's, clockwise, conjugate and in corresponding order. Their corners
+        need not lie on the outlines: where one is off, the two arcs that meet there reach it by a straight connector.
+    bound_p, bound_q : float
+        The highest IoU with P and with Q that an exact construction on these trunks can have (theory §8); the
+        partition reaches it.
+    """
+
+    pair: TrunkPair
+    trunks: FloatArray
+    bound_p: float
+    bound_q: float
+
+    @property
+    def bound(self) -> float:
+        """Of the worse shape."""
+        return min(self.bound_p, self.bound_q)
+
+    @property
+    def trunk_p(self) -> FloatArray:
+        """(n, 2) T, counter-clockwise, in P's frame."""
+        return np.array(self.trunks[0])
+
+    @property
+    def trunk_q(self) -> FloatArray:
+        """(n, 2) T̄, clockwise, in Q's frame."""
+        return np.array(self.trunks[1])
+
+    @cached_property
+    def arcs_p(self) -> FloatArray:
+        """(s, 2) P's arcs in T̄, in Q's frame: from ``offsets_p[i]`` on arc i, from corner i to corner i + 1 of T̄."""
+        return self._swung_p[0]
+
+    @cached_property
+    def offsets_p(self) -> IntArray:
+        """(n + 1,) where each of P's arcs starts."""
+        return self._swung_p[1]
+
+    @cached_property
+    def arcs_q(self) -> FloatArray:
+        """(s, 2) Q's arcs in T, in P's frame: arc i from corner n − i − 1 to corner n − 2 − i of T (mod n)."""
+        return self._swung_q[0]
+
+    @cached_property
+    def offsets_q(self) -> IntArray:
+        """(n + 1,) where each of Q's arcs starts."""
+        return self._swung_q[1]
+
+    @cached_property
+    def feet(self) -> FloatArray:
+        """(2, n, 2) where the arcs part: the boundary points of P and of Q nearest to the corners."""
+        return feet_of(self.pair.sides, self.trunks)
+
+    @cached_property
+    def _swung_p(self) -> tuple[FloatArray, IntArray]:
+        outline, windows, _, _ = self.pair.sides
+        return _swing(outline, windows, self.trunk_p, self.trunk_q)
+
+    @cached_property
+    def _swung_q(self) -> tuple[FloatArray, IntArray]:
+        _, _, outline, windows = self.pair.sides
+        return _swing(outline, windows, self.trunk_q[::-1].copy(), self.trunk_p[::-1].copy())
+
+
+def feet_of(sides: Sides, trunks: FloatArray) -> FloatArray:
+    """(2, n, 2) the boundary points of P and of Q nearest to the corners of ``trunks`` (2, n, 2)."""
+    p, windows_p, q, windows_q = sides
+    return np.stack([feet(p, windows_p, trunks[0].copy())[0], feet(q, windows_q, trunks[1, ::-1].copy())[0][::-1]])
+
+
+def plan_pair(pair: TrunkPair, lines: int = RefineParameters.bound_lines) -> Plan:
+    """Make the trunks conjugate with the least movement of their vertices, and bound the IoU by so many scanlines.
+
+    ConstructionError if the trunks cannot be made conjugate and convex.
+    """
+    for name, trunk in (("P", pair.corners[0]), ("Q", pair.corners[1, ::-1])):
+        if not is_convex(trunk):
+            raise ConstructionError("not-convex", f"the trunk of {name} is not convex")
+    return plan_on(pair, np.stack(make_conjugate(*pair.corners)), lines)
+
+
+def plan_on(pair: TrunkPair, trunks: FloatArray, lines: int) -> Plan:
+    """The plan on conjugate ``trunks`` (2, n, 2), its bounds by so many scanlines."""
+    (bound_p, bound_q), _ = least_changes(*pair.sides, trunks, lines)
+    return Plan(pair, trunks, float(bound_p), float(bound_q))
+
+
+def _swing(
+    outline: FloatArray, windows: IntArray, source: FloatArray, target: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    n = len(source)
+    out, offsets = np.empty((len(outline) + 5 * n, 2)), np.empty(n + 1, dtype=np.int64)
+    total = placed_arcs(outline, windows, source, target, out, offsets)
+    return out[:total].copy(), offsets
+
+
+def _windows(outline: FloatArray, trunk: IntArray, reach: float) -> IntArray:
+    """(n, 2) first and last vertex of the stretch on which each corner's foot is looked for; trunk vertices ascend."""
+    m, n = len(outline), len(trunk)
+    lengths = arc_length(outline)
+    windows = np.empty((n, 2), dtype=np.int64)
+    for i, vertex in enumerate(trunk):
+        along = (lengths[:-1] - lengths[vertex]) % lengths[-1]
+        ahead = min(reach, 0.5 * along[trunk[(i + 1) % n]])
+        behind = min(reach, 0.5 * (lengths[-1] - along[trunk[i - 1]]))
+        windows[i, 0] = (vertex - np.count_nonzero(along >= lengths[-1] - behind)) % m
+        windows[i, 1] = (vertex + np.count_nonzero(along <= ahead) - 1) % m
+    return windows

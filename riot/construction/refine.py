@@ -1,0 +1,119 @@
+"""Refinement: trunks are moved, conjugate all the while, to where an exact construction changes both shapes least.
+
+After CRS the trunk vertices lie on sparse boundary points, and made conjugate they are off the boundary. The bound of
+the IoU (theory §8) is a function of the two trunks alone, with a gradient. What is raised is a smooth stand-in for the
+worse shape's bound, by quasi-Newton steps within the pairs of trunks whose corresponding edges are equal (theory §7;
+ours): every step is taken along that surface and then put back on it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from riot.construction.conjugate import TOLERANCE, is_convex
+from riot.construction.plan import Plan, feet_of, plan_on
+from riot.kernels.change import least_changes
+from riot.kernels.conjugate import conjugated, quasi_newton, tangential
+from riot.parameters.method import RefineParameters
+from riot.types import FloatArray
+from riot.units import D_C
+
+SHARPNESS = (60.0, 240.0)
+"""The stand-in for the lesser of two bounds is −log(Σ exp(−s b)) / s, first with the first s, then with the second."""
+
+FIRST_MOVE = 0.02
+"""Length of the first step, over all corners."""
+
+LONGEST_MOVE = 0.2
+"""No step is longer."""
+
+HISTORY = 8
+BACKTRACKS = 5
+SHORTER = 0.4
+ARMIJO = 1e-4
+SETTLED = 1e-5
+"""Steps end when the stand-in rises by less."""
+
+PROJECTIONS = 50
+
+WORTHWHILE = 1e-4
+"""A plan stays where it is unless its bound rises by more: the scanlines of the bound see no finer, and trunks that are
+exact already are not to move."""
+
+
+def refine(plan: Plan, steps: int, parameters: RefineParameters) -> Plan:
+    """The plan with its trunks moved in at most so many steps; the plan itself if that hardly raises its bound.
+
+    No corner moves farther than ``parameters.slide`` along either axis.
+    """
+    best = plan.trunks
+    for sharpness in SHARPNESS:
+        best = _Climb(plan, parameters, sharpness).run(best, steps // len(SHARPNESS))
+    refined = plan_on(plan.pair, best, parameters.bound_lines)
+    return refined if refined.bound > plan.bound + WORTHWHILE else plan
+
+
+class _Climb:
+    """One maximisation with one sharpness."""
+
+    def __init__(self, plan: Plan, parameters: RefineParameters, sharpness: float) -> None:
+        self.sides, self.lines, self.sharpness = plan.pair.sides, parameters.lines, sharpness
+        self.start, self.slide, self.attach = plan.trunks, parameters.slide * D_C, parameters.attach
+
+    def run(self, trunks: FloatArray, steps: int) -> FloatArray:
+        value, gradient, worse = self.rate(trunks)
+        best, best_worse = trunks, worse
+        moves, changes, count = np.empty((HISTORY, trunks.size)), np.empty((HISTORY, trunks.size)), 0
+        for _ in range(steps):
+            direction = quasi_newton(moves, changes, count, gradient.ravel()).reshape(trunks.shape)
+            slope, length = float((direction * gradient).sum()), math.sqrt(float((direction * direction).sum()))
+            if length == 0.0 or not slope > 0.0:
+                break
+            share = min(1.0, (LONGEST_MOVE if count else FIRST_MOVE) / length)
+            for _ in range(BACKTRACKS):
+                moved = self.put_back(trunks + share * direction)
+                if moved is not None:
+                    there, onward, worse = self.rate(moved)
+                    if there >= value + ARMIJO * share * slope:
+                        break
+                share *= SHORTER
+            else:
+                if count == 0:
+                    break
+                count = 0  # the curvature that was learnt does not hold here: begin again with the gradient
+                continue
+            move, change = (moved - trunks).ravel(), (onward - gradient).ravel()
+            if float((move * change).sum()) < -1e-12:
+                moves[count % HISTORY], changes[count % HISTORY] = move, change
+                count += 1
+            gain = there - value
+            trunks, value, gradient = moved, there, onward
+            if worse > best_worse:
+                best, best_worse = trunks, worse
+            if gain < SETTLED:
+                break
+        return best
+
+    def put_back(self, trunks: FloatArray) -> FloatArray | None:
+        """The nearest conjugate trunks; None if they are too far from the start or not convex."""
+        found, worst = conjugated(trunks, TOLERANCE, PROJECTIONS)
+        if not worst <= 100.0 * TOLERANCE or np.abs(found - self.start).max() > self.slide:
+            return None
+        return found if is_convex(found[0]) and is_convex(found[1, ::-1]) else None
+
+    def rate(self, trunks: FloatArray) -> tuple[float, FloatArray, float]:
+        """The stand-in, its gradient (2, n, 2) along the surface, and the worse bound; of both the attachment is taken.
+
+        A corner off the boundary costs area only to second order, but makes a notch or a spike as deep as it is far.
+        """
+        bounds, gradients = least_changes(*self.sides, trunks, self.lines)
+        worse = float(bounds.min())
+        shares = np.exp(-self.sharpness * (bounds - worse))
+        total = float(shares.sum())
+        gradient = (shares[0] * gradients[0] + shares[1] * gradients[1]) / total
+        off = trunks - feet_of(self.sides, trunks)
+        cost = self.attach * float((off * off).sum())
+        along = tangential(trunks, gradient - 2.0 * self.attach * off)
+        return worse - math.log(total) / self.sharpness - cost, along, worse - cost

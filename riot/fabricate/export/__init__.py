@@ -1,0 +1,1 @@
+"""Files of a puzzle: solids to print, sheets to cut, pages to read."""

@@ -1,0 +1,227 @@
+"""Flat files: what a laser cuts, as SVG and DXF at true size in millimetres. Ours.
+
+Two kinds: the bare outlines of the pieces, cut from one sheet; and the three layers of every piece with knuckles and
+pin holes, to be stacked and glued from sheets a third of the thickness.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import numpy as np
+import shapely
+
+from riot.draw.svg import escape
+from riot.errors import FabricationError, RiotError
+from riot.fabricate.model import Design, polygons
+from riot.fabricate.shelves import shelves
+from riot.types import FloatArray
+
+Kind = Literal["outlines", "layers"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+LAYERS = ("bottom", "middle", "top")
+
+FORMATS = (".svg", ".dxf")
+
+APART_MM = 5.0
+"""Between parts on a sheet, and around them."""
+
+SHEET_MM = 600.0
+"""Width of a sheet, unless a part is wider; it is as long as it must be."""
+
+HAIRLINE_MM = 0.01
+
+DIGITS = 6
+"""Decimals of a coordinate in mm."""
+
+_MITRE = 10.0
+_COLOURS = {"holes": "#0000ff", "outlines": "#ff0000"}
+_DXF_COLOURS = {"holes": 5, "outlines": 1}
+
+
+class FlatFormatError(RiotError, ValueError):
+    """A file name whose suffix is no format for lasers."""
+
+
+class DxfError(RiotError, ModuleNotFoundError):
+    """A DXF file was asked for where ezdxf is not installed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One part to be cut out: ``region`` in mm, on the sheet; ``name`` as in ``piece-1`` or ``piece-1-top``."""
+
+    name: str
+    region: shapely.Polygon
+
+
+def write_flat(design: Design, path: str | os.PathLike[str], kind: Kind = "outlines", *, kerf: bool = False) -> None:
+    """Write the pieces for a laser, apart on one sheet; the suffix (svg, dxf) chooses the format.
+
+    With ``kerf`` the laser's path is half the kerf outside the parts (inside the holes), so that they come out at
+    nominal size. Every part is one closed path, and so is every hole; holes are before outlines. The same design gives
+    the same bytes.
+
+    Raises
+    ------
+    FlatFormatError
+        For another suffix.
+    DxfError
+        If a DXF file is asked for and ezdxf is not installed.
+    riot.errors.FabricationError
+        ``telescopic``: layers of a design with telescopic hinges, which cannot be stacked from sheets.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in FORMATS:
+        raise FlatFormatError(f"cannot write {target.name!r} for a laser: use a file name that ends in .svg or .dxf")
+    parts = parts_of(design, kind, design.parameters.kerf_mm if kerf else 0.0)
+    title = f"{design.transform.p.name or 'P'} and {design.transform.q.name or 'Q'}, {kind}"
+    data = svg_bytes(parts, title) if target.suffix.lower() == ".svg" else dxf_bytes(parts)
+    target.write_bytes(data)
+
+
+def write_flat_files(design: Design, folder: Path, *, dxf: bool = True) -> list[Path]:
+    """Write all flat files into a folder that exists: ``laser-outlines.svg``, ``laser-outlines-kerf.svg`` and so on.
+
+    Layers are left out if the design has telescopic hinges. Errors as `write_flat`.
+    """
+    written = []
+    for kind in KINDS if design.telescope is None else KINDS[:1]:
+        for suffix in FORMATS if dxf else FORMATS[:1]:
+            for kerf in (False, True):
+                written.append(folder / f"laser-{kind}{'-kerf' if kerf else ''}{suffix}")
+                write_flat(design, written[-1], kind, kerf=kerf)
+    return written
+
+
+def parts_of(design: Design, kind: Kind, kerf: float = 0.0) -> list[Part]:
+    """The parts of one kind, apart on a sheet, widened all round by half a kerf in mm; errors as `write_flat`."""
+    parts = _outlines(design) if kind == "outlines" else _layers(design)
+    if kerf > 0.0:
+        parts = [_compensated(part, kerf) for part in parts]
+    return _apart(parts)
+
+
+def _outlines(design: Design) -> list[Part]:
+    return [Part(piece.name, shapely.Polygon(piece.outline)) for piece in design.pieces]
+
+
+def _layers(design: Design) -> list[Part]:
+    """Every piece at the heights of the lower female, the male and the upper female knuckles."""
+    if design.telescope is not None:
+        raise FabricationError(
+            "telescopic",
+            "this puzzle has telescopic hinges, which cannot be stacked from sheets: print it, or cut its outlines",
+            "",
+        )
+    height, levels = design.parameters.height, design.parameters.levels
+    middles = (0.5 * levels[0], 0.5 * height, 0.5 * (levels[3] + height))
+    parts = []
+    for piece in design.pieces:
+        for name, middle in zip(LAYERS, middles, strict=True):
+            sections = [slab.section for slab in piece.slabs if slab.low <= middle < slab.high]
+            regions = polygons(shapely.union_all(sections))
+            for k, region in enumerate(regions):
+                more = f"-{k + 1}" if len(regions) > 1 else ""
+                parts.append(Part(f"{piece.name}-{name}{more}", region))
+    return parts
+
+
+def _compensated(part: Part, kerf: float) -> Part:
+    """The path of the beam's middle: mitred, so that the parts' corners stay as they are."""
+    grown = polygons(shapely.buffer(part.region, 0.5 * kerf, join_style="mitre", mitre_limit=_MITRE))
+    return replace(part, region=grown[0])
+
+
+def _apart(parts: Sequence[Part]) -> list[Part]:
+    bounds = np.array([part.region.bounds for part in parts])
+    sizes = bounds[:, 2:] - bounds[:, :2]
+    width = max(SHEET_MM, float(sizes[:, 0].max()) + 2 * APART_MM)
+    spots = shelves(sizes, width - 2 * APART_MM, np.inf, APART_MM)
+    return [
+        replace(part, region=_moved(part.region, spot.x + APART_MM - low[0], spot.y + APART_MM - low[1]))
+        for part, spot, low in zip(parts, spots, bounds, strict=True)
+    ]
+
+
+def _moved(region: shapely.Polygon, x: float, y: float) -> shapely.Polygon:
+    return shapely.transform(region, lambda points: points + np.array([x, y]))
+
+
+def _rings(parts: Iterable[Part]) -> tuple[list[tuple[str, FloatArray]], list[tuple[str, FloatArray]]]:
+    """Holes and outlines by name, each point once."""
+    holes, outlines = [], []
+    for part in parts:
+        outlines.append((part.name, shapely.get_coordinates(part.region.exterior)[:-1]))
+        for k, ring in enumerate(part.region.interiors):
+            holes.append((f"{part.name}-hole-{k + 1}", shapely.get_coordinates(ring)[:-1]))
+    return holes, outlines
+
+
+def _extent(parts: Sequence[Part]) -> tuple[float, float]:
+    high = np.max([part.region.bounds[2:] for part in parts], axis=0) + APART_MM
+    return float(high[0]), float(high[1])
+
+
+def svg_bytes(parts: Sequence[Part], title: str) -> bytes:
+    """The parts as an SVG file whose user unit is the millimetre, y turned over."""
+    width, height = _extent(parts)
+    wide, high = _number(width), _number(height)
+    text = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}mm" height="{high}mm" viewBox="0 0 {wide} {high}">',
+        f"<title>{escape(title)}</title>",
+    ]
+    for name, rings in zip(("holes", "outlines"), _rings(parts), strict=True):
+        if rings:
+            text.append(f'<g id="{name}" fill="none" stroke="{_COLOURS[name]}" stroke-width="{HAIRLINE_MM}">')
+            text += [f'<path id="{ring}" d="{_path(points, height)}"/>' for ring, points in rings]
+            text.append("</g>")
+    return ("\n".join([*text, "</svg>"]) + "\n").encode()
+
+
+def _path(points: FloatArray, height: float) -> str:
+    flipped = points * [1.0, -1.0] + [0.0, height]
+    return "M" + "L".join(f"{_number(x)} {_number(y)}" for x, y in flipped.tolist()) + "Z"
+
+
+def _number(value: float) -> str:
+    return f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
+
+
+def dxf_module() -> Any:
+    """The module that writes DXF; raises `DxfError` if it is not installed."""
+    try:
+        return importlib.import_module("ezdxf")
+    except ModuleNotFoundError:
+        raise DxfError(
+            "a DXF file needs the package ezdxf, which is not installed: "
+            "install it with pip install 'riot-shapes[print]', or ask for SVG"
+        ) from None
+
+
+def dxf_bytes(parts: Sequence[Part]) -> bytes:
+    """The parts as a DXF file in millimetres, holes and outlines on a layer each; raises `DxfError`."""
+    ezdxf = dxf_module()
+    fixed = ezdxf.options.write_fixed_meta_data_for_testing
+    ezdxf.options.write_fixed_meta_data_for_testing = True  # no dates: the same parts give the same bytes
+    try:
+        drawing = ezdxf.new("R2000", units=ezdxf.units.MM)
+        space = drawing.modelspace()
+        for name, rings in zip(("holes", "outlines"), _rings(parts), strict=True):
+            drawing.layers.add(name.upper(), color=_DXF_COLOURS[name], lineweight=0)
+            for _, points in rings:
+                places = np.round(points, DIGITS).tolist()
+                space.add_lwpolyline(places, close=True, dxfattribs={"layer": name.upper()})
+        # The drawing's extent; its lower corner must not be the origin, which ezdxf takes for none.
+        space.reset_extents((APART_MM, APART_MM, 0.0), (*_extent(parts), 0.0))
+        stream = io.StringIO()
+        drawing.write(stream)
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = fixed
+    return stream.getvalue().encode()

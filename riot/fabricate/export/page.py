@@ -1,0 +1,288 @@
+"""Assembly page: what lies on the table and what to do with it, as a PDF of two pages (ours)."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from riot.draw.palette import LIGHT, PIECES, hue
+from riot.fabricate.export.flat import FlatFormatError
+from riot.fabricate.export.paper import Frame, Page, new_page, pdf_bytes
+from riot.fabricate.export.sheets import NAME
+from riot.transform.pose import Pose, direction
+
+if TYPE_CHECKING:
+    from riot.fabricate.model import Design, HingeEnd
+    from riot.types import FloatArray
+
+WIDTH, HEIGHT = 210.0, 297.0
+"""A4, mm."""
+
+MARGIN_MM = 15.0
+ROWS, COLUMNS = 2, 4
+"""Of the poses of the swing."""
+
+_SHAPES_MM = 84.0
+_CHAIN_MM = 46.0
+"""Greatest heights of the pictures; the swing takes what they leave."""
+
+_APART_MM = 4.0
+
+_LETTERS = 104
+"""Of a line of text."""
+
+
+def write_page(design: Design, path: str | os.PathLike[str]) -> None:
+    """Write the assembly page: the numbered pieces in both shapes, the chain, the swing, parts, pins and warnings.
+
+    The same design gives the same bytes. Raises `riot.fabricate.export.flat.FlatFormatError` for a suffix other than
+    .pdf.
+    """
+    target = Path(path)
+    if target.suffix.lower() != ".pdf":
+        raise FlatFormatError(f"cannot write the assembly page {target.name!r}: use a file name that ends in .pdf")
+    target.write_bytes(pdf_bytes([_pictures(design), *_lists(design)]))
+
+
+def _names(design: Design) -> tuple[str, str]:
+    p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
+    return textwrap.shorten(p, NAME, placeholder="…"), textwrap.shorten(q, NAME, placeholder="…")
+
+
+def _pictures(design: Design) -> Page:
+    """The first page."""
+    page, names = new_page(WIDTH, HEIGHT), _names(design)
+    width, top = WIDTH - 2 * MARGIN_MM, HEIGHT - MARGIN_MM
+    count = len(design.pieces)
+    page.text(MARGIN_MM, top - 5.0, f"{names[0]} ⇄ {names[1]}", 6.5, weight="bold")
+    page.text(MARGIN_MM, top - 11.5, f"{count} pieces, {_pins(design)}; the chain {design.motion.words}", 3.2, "muted")
+    top -= 20.0
+
+    half = 0.5 * (width - 10.0)
+    closed = [_closed(design, t) for t in (0.0, 1.0)]
+    scale = min(_fit(frames, design, half, _SHAPES_MM) for frames in closed)
+    high = max(_size(frames, design)[1] for frames in closed) * scale
+    for k, (frames, name) in enumerate(zip(closed, names, strict=True)):
+        middle = MARGIN_MM + 0.5 * half + k * (half + 10.0)
+        _drawn(page, design, frames, scale, middle, top - 0.5 * high, numbers=True)
+        page.text(middle, top - high - 7.0, name, 3.6, anchor="center", weight="bold")
+    page.text(0.5 * WIDTH, top - high - 7.0, _ratio(scale), 2.8, "muted", "center")
+    top -= high + 17.0
+
+    chain = _chain(design)
+    scale = _fit(chain, design, width, _CHAIN_MM)
+    high = _size(chain, design)[1] * scale
+    _drawn(page, design, chain, scale, 0.5 * WIDTH, top - 0.5 * high, numbers=True, hinges=True)
+    words = f"the chain, seen from the front: {names[0]}'s outline below, {names[1]}'s above"
+    page.text(0.5 * WIDTH, top - high - 7.0, words, 2.8, "muted", "center")
+    kinds = "● pin hinge   ○ open ends" + ("   ◎ telescopic hinge" if design.motion.lifted else "")
+    page.text(0.5 * WIDTH, top - high - 11.5, kinds, 2.8, "muted", "center")
+    top -= high + 21.0
+
+    _swing(page, design, top)
+    return page
+
+
+def _swing(page: Page, design: Design, top: float) -> None:
+    """Poses of the motion in rows, all at one scale."""
+    names, width = _names(design), WIDTH - 2 * MARGIN_MM
+    times = np.linspace(0.0, 1.0, ROWS * COLUMNS)
+    groups = [_frames(design, design.motion.pose_at(float(t))) for t in times]
+    sizes = np.array([_size(frames, design) for frames in groups]).reshape(ROWS, COLUMNS, 2)
+    wide, high = sizes[..., 0].sum(axis=1), sizes[..., 1].max(axis=1)
+    room = top - MARGIN_MM - ROWS * _APART_MM - 4.0
+    scale = min((width - _APART_MM * (COLUMNS - 1)) / float(wide.max()), room / float(high.sum()), 1.0)
+    for row in range(ROWS):
+        x, space = MARGIN_MM, (width - scale * float(wide[row])) / (COLUMNS - 1)
+        tall = scale * float(high[row])
+        for column in range(COLUMNS):
+            own = scale * float(sizes[row, column, 0])
+            frames = groups[row * COLUMNS + column]
+            _drawn(page, design, frames, scale, x + 0.5 * own, top - 0.5 * tall, hinges=True)
+            x += own + space
+        top -= tall + _APART_MM
+    page.text(0.5 * WIDTH, top - 3.0, f"the swing from {names[0]} to {names[1]}", 2.8, "muted", "center")
+
+
+def _lists(design: Design) -> list[Page]:
+    """The pages after the first: parts, pins, steps, warnings; as many as there need to be."""
+    lines: list[tuple[str, str]] = [("head", "Parts")]
+    for piece in design.pieces:
+        wide, high = np.ptp(piece.outline, axis=0).tolist()
+        ends = f"{_end(piece.start)}, then {_end(piece.end)}"
+        lines.append(("row", f"{piece.index + 1}\t1 × {piece.name}\t{wide:.0f} × {high:.0f} mm\t{ends}"))
+    lines += [("row", f"\t{pin.count} × pin\t⌀ {pin.diameter:g} × {pin.length:g} mm\t") for pin in design.pins]
+    if design.sleeves:
+        lines.append(("row", f"\t{design.sleeves} × sleeve\t\tof telescopic hinges"))
+    lines += [("gap", ""), ("head", "Steps"), *_numbered(_steps(design))]
+    lines += [("gap", ""), ("head", "Warnings"), *(_numbered(design.warnings) or [("text", "none")])]
+    lines += [("gap", ""), ("head", "Sizes"), *(("text", line) for line in _sizes(design))]
+
+    pages, page, y = [], new_page(WIDTH, HEIGHT), HEIGHT - MARGIN_MM
+    for kind, words in lines:
+        step = {"head": 9.0, "gap": 3.0}.get(kind, 5.4)
+        if y - step < MARGIN_MM:
+            pages.append(page)
+            page, y = new_page(WIDTH, HEIGHT), HEIGHT - MARGIN_MM
+        y -= step
+        if kind == "head":
+            page.text(MARGIN_MM, y, words, 4.4, weight="bold")
+            y -= 1.2
+        elif kind == "row":
+            _row(page, design, y, words.split("\t"))
+        elif kind == "text":
+            page.text(MARGIN_MM, y, words, 3.1)
+    return [*pages, page]
+
+
+def _row(page: Page, design: Design, y: float, cells: Sequence[str]) -> None:
+    if cells[0]:
+        colour = PIECES[hue(int(cells[0]) - 1, len(design.pieces))]
+        page.region(shapely.box(MARGIN_MM, y - 0.8, MARGIN_MM + 4.0, y + 2.8), colour)
+    for x, words in zip((7.0, 14.0, 44.0, 76.0), cells, strict=True):
+        page.text(MARGIN_MM + x, y, words, 3.1)
+
+
+def _numbered(texts: Sequence[str]) -> list[tuple[str, str]]:
+    lines = []
+    for number, text in enumerate(texts, start=1):
+        first, *more = textwrap.wrap(text, _LETTERS)
+        lines += [("text", f"{number}.  {first}"), *(("text", f"     {line}") for line in more)]
+    return lines
+
+
+def _steps(design: Design) -> list[str]:
+    n, motion = len(design.pieces), design.motion
+    first = motion.open_hinge
+    order = [(first + k) % n + 1 for k in range(n)]
+    names = _names(design)
+    steps = [f"Lay the pieces on the table, fronts up, in this order: {', '.join(map(str, order))}."]
+    if design.pins:
+        steps.append(
+            "At every pin hinge slide the middle knuckle of one piece between the two of the next, and push a pin "
+            "through all three."
+        )
+    if motion.lifted:
+        joined = ", ".join(f"{(hinge - 1) % n + 1} and {hinge + 1}" for hinge in motion.lifted)
+        steps.append(
+            f"Between pieces {joined}: push a sleeve into the barrel from below, then the slit rod of the other piece "
+            "into the sleeve from above, until both snap."
+        )
+    steps.append(f"Pieces {order[-1]} and {order[0]} are the free ends: nothing joins them.")
+    steps.append(f"Swing the chain shut one way for {names[0]}, and the other way for {names[1]}.")
+    steps.append(
+        f"Texture sheets: those of {names[0]} go on the front; those of {names[1]} on the back, where it is seen "
+        "mirrored when the puzzle is turned over."
+    )
+    return steps
+
+
+def _sizes(design: Design) -> list[str]:
+    parameters = design.parameters
+    return [
+        f"long side {parameters.size_mm:g} mm, thickness {parameters.height:g} mm, layer {parameters.layer_mm:g} mm",
+        f"pin {parameters.pin_mm:g} mm; clearance {parameters.clearance_mm:g} mm where it turns, play "
+        f"{parameters.play_mm:g} mm where it is pushed in",
+        f"between outlines {parameters.gap_mm:g} mm, between knuckles {parameters.axial_gap:g} mm; "
+        f"laser kerf {parameters.kerf_mm:g} mm",
+        "Clearances are from makers' literature, not from our own prints: print one hinge first.",
+    ]
+
+
+def _pins(design: Design) -> str:
+    said = [f"{pin.count} pins ⌀ {pin.diameter:g} × {pin.length:g} mm" for pin in design.pins]
+    if design.sleeves:
+        said.append(f"{design.sleeves} sleeve{'s' if design.sleeves > 1 else ''}")
+    return ", ".join(said) or "no pins"
+
+
+def _end(end: HingeEnd) -> str:
+    return "free" if end.kind == "open" else f"{end.kind}, {end.role}"
+
+
+def _closed(design: Design, t: float) -> list[Frame]:
+    return _frames(design, design.transform.pose(t))
+
+
+def _chain(design: Design) -> list[Frame]:
+    """The chain laid out straight from the open hinge."""
+    n, x = len(design.pieces), 0.0
+    frames = [Frame(0.0, 0.0, 0.0)] * n
+    for k in range(n):
+        i = (design.motion.open_hinge + k) % n
+        frames[i] = Frame(0.0, x, 0.0)
+        x += design.pieces[i].length
+    return frames
+
+
+def _frames(design: Design, pose: Pose) -> list[Frame]:
+    origins = (design.scale * pose.origins).tolist()
+    return [Frame(heading, x, y) for heading, (x, y) in zip(pose.headings.tolist(), origins, strict=True)]
+
+
+def _box(frames: Sequence[Frame], design: Design) -> FloatArray:
+    """(2, 2) lower left and upper right corner of the pieces."""
+    points = np.concatenate([frame.paper(piece.outline) for frame, piece in zip(frames, design.pieces, strict=True)])
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _size(frames: Sequence[Frame], design: Design) -> FloatArray:
+    low, high = _box(frames, design)
+    size: FloatArray = high - low
+    return size
+
+
+def _fit(frames: Sequence[Frame], design: Design, width: float, height: float) -> float:
+    wide, high = _size(frames, design).tolist()
+    return min(1.0, width / float(wide), height / float(high))
+
+
+def _ratio(scale: float) -> str:
+    return "true size" if scale == 1.0 else f"scale 1 : {1.0 / scale:.3g}"
+
+
+def _drawn(
+    page: Page,
+    design: Design,
+    frames: Sequence[Frame],
+    scale: float,
+    x: float,
+    y: float,
+    *,
+    numbers: bool = False,
+    hinges: bool = False,
+) -> None:
+    """Paint the pieces about (x, y), higher planes of the motion over lower ones."""
+    n, motion = len(design.pieces), design.motion
+    shift = np.array([x, y]) - scale * _box(frames, design).mean(axis=0)
+    planes = motion.levels.max(axis=0)
+    for i in sorted(range(n), key=lambda i: (int(planes[i]), (i - motion.open_hinge) % n)):
+        region = shapely.Polygon(scale * frames[i].paper(design.pieces[i].outline) + shift)
+        page.region(region, PIECES[hue(i, n)], LIGHT["paper"], 0.15)
+    if hinges:
+        _hinges(page, design, frames, scale, shift)
+    if numbers:
+        for i, piece in enumerate(design.pieces):
+            middle = shapely.maximum_inscribed_circle(shapely.Polygon(piece.outline)).coords[0]
+            (at,) = scale * frames[i].paper(np.array([middle])) + shift
+            page.label(float(at[0]), float(at[1]), str(i + 1), 2.8)
+
+
+def _hinges(page: Page, design: Design, frames: Sequence[Frame], scale: float, shift: FloatArray) -> None:
+    n, first = len(design.pieces), design.motion.open_hinge
+    radius = max(0.6, 0.5 * scale * design.parameters.pin_mm)
+    for i, (piece, frame) in enumerate(zip(design.pieces, frames, strict=True)):
+        start = scale * np.array([frame.x, frame.y]) + shift
+        fill = LIGHT["paper"] if i == first else LIGHT["ink"]
+        page.disc(float(start[0]), float(start[1]), radius, fill, LIGHT["ink"])
+        if piece.start.kind == "telescopic":
+            page.disc(float(start[0]), float(start[1]), 0.5 * radius, LIGHT["paper"])
+        if (i + 1) % n == first:
+            end = start + scale * piece.length * direction(frame.angle)
+            page.disc(float(end[0]), float(end[1]), radius, LIGHT["paper"], LIGHT["ink"])

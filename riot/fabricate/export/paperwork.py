@@ -1,0 +1,49 @@
+"""Paperwork: everything flat that comes with a puzzle, in one folder. Ours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from riot.draw.texture.names import SIDES
+from riot.fabricate.export.flat import write_flat_files
+from riot.fabricate.export.page import write_page
+from riot.fabricate.export.picture import draw_puzzle
+from riot.fabricate.export.sheets import DOTS_PER_INCH, write_sheets
+
+if TYPE_CHECKING:
+    from riot.draw.texture.names import Side
+    from riot.draw.texture.paint import Texture
+    from riot.fabricate.model import Design
+
+SHEETS: Mapping[Side, str] = {"p": "texture-front.pdf", "q": "texture-back.pdf"}
+
+
+def write_paperwork(
+    design: Design,
+    folder: Path,
+    textures: Mapping[Side, Texture] | None = None,
+    *,
+    dxf: bool = True,
+    dots_per_inch: float = DOTS_PER_INCH,
+) -> list[Path]:
+    """Write laser files, texture sheets, assembly page and pictures into a folder that exists; returns their paths.
+
+    ``laser-*.svg`` and, with ``dxf``, ``laser-*.dxf``; ``texture-front.pdf`` and ``texture-back.pdf`` for sides that
+    have a texture, their pictures with so many ``dots_per_inch``; ``assembly.pdf``; ``puzzle-p.png``, ``puzzle-q.png``,
+    and ``apart-p.png``, ``apart-q.png``. The same input gives the same bytes. Raises
+    `riot.fabricate.export.flat.DxfError` if a DXF file is asked for and ezdxf is not installed.
+    """
+    textures = textures or {}
+    written = write_flat_files(design, folder, dxf=dxf)
+    for side, texture in textures.items():
+        written.append(folder / SHEETS[side])
+        write_sheets(design, written[-1], texture, side, dots_per_inch)
+    written.append(folder / "assembly.pdf")
+    write_page(design, written[-1])
+    for side in SIDES:
+        for name, apart in (("puzzle", False), ("apart", True)):
+            written.append(folder / f"{name}-{side}.png")
+            draw_puzzle(design, written[-1], side, apart=apart, textures=textures)
+    return written

@@ -1,0 +1,1 @@
+"""From pictures, vector files and polygons to shapes (paper §6)."""

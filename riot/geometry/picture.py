@@ -1,0 +1,124 @@
+"""Picture files → grey values, refusing early what is no picture or too big to decode."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, UnidentifiedImageError
+
+from riot.errors import SilhouetteError
+from riot.geometry.limits import PICTURE_BYTES, TooManyBytes, check_file
+from riot.geometry.machine_errors import is_of_machine
+from riot.types import FloatArray
+
+FORMATS = ("PNG", "GIF", "BMP", "TIFF", "JPEG")
+"""The decoders that may run: Pillow has others that would start foreign programs."""
+
+SUFFIXES = (".png", ".gif", ".bmp", ".tif", ".tiff", ".jpg", ".jpeg")
+
+WORKING_SIDE = 2048
+"""Pictures with a longer side are averaged down to it; boundary points are some hundred times coarser."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A decoded picture.
+
+    Parameters
+    ----------
+    grey : (rows, columns) float64
+        0 (dark) … 255 (light), or the opacity where ``opaque_object``.
+    opaque_object : bool
+        The picture has transparent and opaque parts: the object is the opaque part, whatever its colours.
+    factor : int
+        Each value is the mean of ``factor × factor`` pixels of the file.
+    """
+
+    grey: FloatArray
+    opaque_object: bool
+    factor: int
+
+
+def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
+    """Decode the (first) picture in a PNG, GIF, BMP, TIFF or JPEG file, whatever its suffix says.
+
+    The size is checked in the header, before any pixel is decoded; of many pictures or frames only the first is.
+    Pixels are taken as stored (orientation tags are not applied).
+
+    Raises
+    ------
+    SilhouetteError
+        ``unreadable`` (missing, no permission, truncated, damaged), ``not-a-picture``, ``too-large``.
+    MemoryError, OSError
+        The machine failed (`riot.geometry.machine_errors`): nothing is known of the file.
+    """
+    where = Path(path)
+    try:
+        check_file(where, PICTURE_BYTES)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # max_pixels decides, and a damaged file is an error or a shape
+            with Image.open(where, formats=FORMATS) as image:
+                if image.width * image.height > max_pixels:
+                    raise SilhouetteError(
+                        "too-large",
+                        f"{where}: {image.width} × {image.height} pixels are more than the limit of {max_pixels}; "
+                        "scale the picture down or raise max_pixels",
+                    )
+                image.load()
+                if not image.width * image.height:
+                    raise _damaged(where, ValueError("no pixels"))
+                return _grey(image)
+    except SilhouetteError:
+        raise
+    except UnidentifiedImageError as error:
+        raise SilhouetteError(
+            "not-a-picture",
+            f"{where}: the content is none of {', '.join(FORMATS)}; convert it to PNG, or remove the file "
+            "(an SVG file is read by Shape.from_svg)",
+        ) from error
+    except (Image.DecompressionBombError, TooManyBytes) as error:
+        raise SilhouetteError("too-large", f"{where}: {error}; scale the picture down") from error
+    except Exception as error:  # decoders raise nearly anything on damaged files
+        if is_of_machine(error):
+            raise
+        if isinstance(error, OSError) and error.strerror is not None:  # Pillow's own, of damaged files, have none
+            message = f"{where}: cannot be read ({error.strerror}); check the path"
+            raise SilhouetteError("unreadable", message) from error
+        raise _damaged(where, error) from error
+
+
+def _damaged(where: Path, error: Exception) -> SilhouetteError:
+    said = (str(error).splitlines() or [type(error).__name__])[0]
+    return SilhouetteError("unreadable", f"{where}: cannot be read ({said}); restore the file or save it again")
+
+
+def _grey(image: Image.Image) -> Picture:
+    factor = max(1, -(-max(image.size) // WORKING_SIDE))
+    if image.mode in ("I", "F", "I;16", "I;16L", "I;16B"):
+        values = np.asarray(image, dtype=np.float64)
+        values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
+        low, high = float(values.min()), float(values.max())
+        if high > low:
+            values = (values - low) * (255.0 / (high - low))
+        return Picture(values if factor == 1 else _block_mean(values, factor), False, factor)
+    if "A" in image.getbands() or "transparency" in image.info:
+        # Premultiplied modes have no direct way to RGBA that keeps the opacity apart.
+        opacity = image.convert("RGBA").getchannel("A")
+        if np.ptp(np.asarray(opacity)) > 0:
+            return Picture(_reduced(opacity, factor), True, factor)
+    return Picture(_reduced(image.convert("RGB").convert("L"), factor), False, factor)
+
+
+def _reduced(image: Image.Image, factor: int) -> FloatArray:
+    return np.asarray(image.reduce(factor) if factor > 1 else image, dtype=np.float64)
+
+
+def _block_mean(values: FloatArray, factor: int) -> FloatArray:
+    rows, columns = -values.shape[0] % factor, -values.shape[1] % factor
+    padded = np.pad(values, ((0, rows), (0, columns)), mode="edge")
+    blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor)
+    return np.asarray(blocks.mean(axis=(1, 3)), dtype=np.float64)

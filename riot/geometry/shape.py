@@ -1,0 +1,112 @@
+"""Shape: one simple closed polygon of unit area, counter-clockwise, centroid at the origin (paper §4, §6)."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from riot.errors import SilhouetteError
+from riot.types import BoolArray, FloatArray
+
+if TYPE_CHECKING:
+    from riot.parameters.method import ShapeParameters
+
+AREA_TOLERANCE = 1e-6
+"""By how much a shape's area may differ from 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A silhouette as a polygon: unit area, counter-clockwise, centroid at the origin, y upwards.
+
+    Parameters
+    ----------
+    points : (m, 2) float64
+        Boundary points, each once (the last joins the first). Feature points and points between them, closer
+        than ``L_c / spacing``; the first is chosen by geometry, not by the input's start vertex.
+    feature : (m,) bool
+        True at the main feature points (Douglas–Peucker), False at the points inserted between them.
+    name : str
+        For messages, tables and pictures.
+    to_source : (2, 3) float64
+        Affine map from the shape's frame to the source's coordinates (pixels as x = column, y = row; or the
+        polygon's own): ``source = to_source[:, :2] @ point + to_source[:, 2]``.
+
+    Raises
+    ------
+    SilhouetteError
+        ``degenerate``: arrays of other shapes or types, or an area other than 1. `from_polygon` takes any polygon.
+    """
+
+    points: FloatArray
+    feature: BoolArray
+    name: str = ""
+    to_source: FloatArray = field(default_factory=lambda: np.eye(2, 3))
+
+    def __post_init__(self) -> None:
+        """Refuse what no function of the library would understand."""
+        points = self.points
+        if not isinstance(points, np.ndarray) or points.ndim != 2 or points.shape[1] != 2 or len(points) < 3:
+            raise SilhouetteError(
+                "degenerate", f"{self._who}: points is an (m, 2) array, m ≥ 3; use Shape.from_polygon"
+            )
+        if points.dtype != np.float64 or not np.isfinite(points).all():
+            raise SilhouetteError("degenerate", f"{self._who}: points are finite float64; use Shape.from_polygon")
+        if np.shape(self.feature) != points.shape[:1] or np.shape(self.to_source) != (2, 3):
+            raise SilhouetteError(
+                "degenerate", f"{self._who}: feature is ({len(points)},) and to_source (2, 3); use Shape.from_polygon"
+            )
+        x, y = points.T
+        area = 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+        if not abs(area - 1.0) < AREA_TOLERANCE:
+            raise SilhouetteError(
+                "degenerate",
+                f"{self._who}: the points enclose {area:.6g}, not 1 counter-clockwise; use Shape.from_polygon",
+            )
+
+    @property
+    def _who(self) -> str:
+        return self.name or "the shape"
+
+    @property
+    def perimeter(self) -> float:
+        """Length of the boundary, in the unit-area frame."""
+        return float(np.linalg.norm(np.roll(self.points, -1, axis=0) - self.points, axis=1).sum())
+
+    def source(self, xy: npt.ArrayLike) -> FloatArray:
+        """Map (k, 2) points of the shape's frame to the source's coordinates."""
+        return np.asarray(xy, dtype=np.float64) @ self.to_source[:, :2].T + self.to_source[:, 2]
+
+    def from_source(self, xy: npt.ArrayLike) -> FloatArray:
+        """Map (k, 2) points of the source's coordinates (pixels, or the polygon's own) to the shape's frame."""
+        inverse = np.linalg.inv(self.to_source[:, :2])
+        return (np.asarray(xy, dtype=np.float64) - self.to_source[:, 2]) @ inverse.T
+
+    def renamed(self, name: str) -> Shape:
+        """The same shape under another name."""
+        return replace(self, name=name)
+
+    @classmethod
+    def from_image(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+        """Read the silhouette in a picture; see `riot.geometry.silhouette.read_image`."""
+        from riot.geometry.silhouette import read_image
+
+        return read_image(path, parameters)
+
+    @classmethod
+    def from_svg(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+        """Read the outline in a vector file; see `riot.geometry.silhouette.read_svg`."""
+        from riot.geometry.silhouette import read_svg
+
+        return read_svg(path, parameters)
+
+    @classmethod
+    def from_polygon(cls, points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
+        """Make a shape of an (m, 2) polygon in either orientation; see `riot.geometry.silhouette.polygon_shape`."""
+        from riot.geometry.silhouette import polygon_shape
+
+        return polygon_shape(points, name, parameters)

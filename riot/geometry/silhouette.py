@@ -1,0 +1,363 @@
+"""Picture, vector outline or polygon → Shape (paper §6; theory: polarity by the border, sub-pixel contour)."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+from scipy import ndimage
+from skimage.filters import threshold_otsu
+from skimage.measure import find_contours
+
+from riot.errors import SilhouetteError
+from riot.geometry import polyline
+from riot.geometry.crossings import TangleError, refuse_tangles
+from riot.geometry.picture import Picture, decode
+from riot.geometry.shape import Shape
+from riot.parameters.method import ShapeParameters
+from riot.types import BoolArray, FloatArray
+from riot.units import L_C
+
+_FINE_SIDE = 512.0
+"""Objects with a greater √area, in pixels, are averaged down: the contour stays finer than the sampling."""
+
+_FAITHFUL = 0.02
+"""A contour whose area differs by more than this share from the pixels' is traced again with less smoothing."""
+
+_REPAIRED = 0.95
+"""A self-crossing outline is accepted when one simple part holds at least this share of its region."""
+
+_THIN = 1e-9
+"""A polygon with less area than this share of its bounding square is degenerate."""
+
+_LONGEST = 32.0
+"""So is one with more perimeter than this, in units of ``L_c`` at unit area: its S1 is 0, and its points thousands."""
+
+_MOST_POINTS = 50_000
+"""An outline with more points than this is refused: what follows takes time that may grow with their square."""
+
+_SCALES = (1e-100, 1e100)
+"""Coordinates or grey values beyond these overflow when squared; none is meant in earnest."""
+
+_DIGITS = 1e-12
+"""An outline smaller than this share of its distance from the origin has lost its form to rounding."""
+
+
+def read(path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+    """Read the silhouette in a picture or SVG file, told apart by the content.
+
+    The shape's name is the file's, without suffix. Raises `SilhouetteError` as `read_image` and `read_svg`.
+    """
+    from riot.geometry.svg_outline import looks_like_svg
+
+    return read_svg(path, parameters) if looks_like_svg(path) else read_image(path, parameters)
+
+
+def read_image(path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+    """Read the silhouette in a PNG, GIF, BMP, TIFF or JPEG file.
+
+    Where the opacity varies the object is the opaque part; else Otsu's threshold parts dark from light, and
+    the object is the side that holds less of the picture's border. Holes are filled, and the largest component
+    is kept. ``to_source`` maps to pixels of the file, x = column, y = row, integers at pixel centres.
+
+    Raises
+    ------
+    SilhouetteError
+        ``unreadable``, ``not-a-picture``, ``too-large``, ``one-colour``, ``all-border``, ``too-small``,
+        ``degenerate``, ``self-crossing``.
+    """
+    chosen = parameters or ShapeParameters()
+    picture = decode(path, chosen.max_pixels)
+    return _picture_shape(picture, Path(path).stem, str(path), chosen)
+
+
+def read_svg(path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+    """Read the outline of the filled geometry in an SVG file; see `riot.geometry.svg_outline.outline`.
+
+    ``to_source`` maps to the file's user units, y downwards.
+
+    Raises
+    ------
+    SilhouetteError
+        ``unreadable``, ``unsupported``, ``empty``, ``degenerate``, ``self-crossing``, ``too-large``.
+    """
+    from riot.geometry.svg_outline import outline
+
+    chosen = parameters or ShapeParameters()
+    return _outline_shape(outline(path), Path(path).stem, str(path), chosen, y_down=True)
+
+
+def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
+    """Make a shape of a (rows, columns) array of booleans or grey values; polarity, errors as `read_image`."""
+    chosen = parameters or ShapeParameters()
+    where = name or "the array"
+    try:
+        values = np.asarray(mask)
+    except ValueError as error:
+        raise SilhouetteError("unreadable", f"{where}: a mask is a 2-D array; its rows differ in length") from error
+    if values.ndim != 2 or values.size == 0:
+        raise SilhouetteError("empty", f"{where}: a mask is a 2-D array with pixels, not {values.shape}")
+    if values.dtype.kind not in "biuf" or not np.isfinite(values).all():
+        raise SilhouetteError("unreadable", f"{where}: a mask holds finite numbers or booleans")
+    values = values.astype(np.float64)
+    if np.abs(values).max() > _SCALES[1] or 0.0 < values.max() - values.min() < _SCALES[0]:
+        raise SilhouetteError(
+            "unreadable", f"{where}: the grey values are beyond {_SCALES[0]} … {_SCALES[1]}; scale them"
+        )
+    return _picture_shape(Picture(values, False, 1), name, where, chosen)
+
+
+def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
+    """Make a shape of an (m, 2) closed polygon in either orientation, y upwards.
+
+    The last point may repeat the first. Its vertices stay, up to ``vertex_tolerance``, with midpoints between them;
+    ``feature_tolerance=0`` keeps every vertex. ``to_source`` maps to the polygon's own coordinates.
+
+    Raises
+    ------
+    SilhouetteError
+        ``unreadable`` (not numbers), ``degenerate`` (fewer than three places, or no area), ``self-crossing``,
+        ``too-large``.
+    """
+    where = name or "the polygon"
+    try:
+        given = np.asarray(points)
+        if given.dtype.kind in "cmM":
+            raise TypeError(given.dtype)
+        array = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SilhouetteError("unreadable", f"{where}: a polygon is an (m, 2) array of numbers") from error
+    if array.ndim != 2 or array.shape[1] != 2 or not np.isfinite(array).all():
+        raise SilhouetteError("unreadable", f"{where}: a polygon is an (m, 2) array of finite numbers")
+    parameters = parameters or ShapeParameters()
+    return _outline_shape(array, name, where, parameters, parameters.vertex_tolerance, y_down=False)
+
+
+def _picture_shape(picture: Picture, name: str, where: str, parameters: ShapeParameters) -> Shape:
+    field, component = _object(picture, where, parameters)
+    contour = _contour(field, component, parameters.smoothing, where)
+    # A value stands at the centre of its factor × factor pixels.
+    contour = contour * picture.factor + (picture.factor - 1) / 2.0
+    return _outline_shape(contour, name, where, parameters, y_down=True)
+
+
+def _object(picture: Picture, where: str, parameters: ShapeParameters) -> tuple[FloatArray, BoolArray]:
+    """How much of each pixel is object, in [0, 1], and which pixels are the filled largest component."""
+    grey = picture.grey
+    if grey.min() == grey.max():
+        raise SilhouetteError(
+            "one-colour", f"{where}: all pixels are alike; the picture must show an object on a background"
+        )
+    if min(grey.shape) < 3:
+        raise SilhouetteError("all-border", f"{where}: every pixel is on the border; add a margin to the picture")
+    low, high = _two_levels(grey)
+    ramp = np.clip((grey - low) * (1.0 / (high - low)), 0.0, 1.0)
+    light = ramp > 0.5
+    border = np.concatenate([light[0], light[-1], light[1:-1, 0], light[1:-1, -1]])
+    if not picture.opaque_object and 2 * int(border.sum()) > len(border):
+        light, ramp = ~light, 1.0 - ramp
+    component = _largest(_filled(light))
+    count = int(component.sum()) * picture.factor**2
+    if count < parameters.min_pixels:
+        raise SilhouetteError(
+            "too-small",
+            f"{where}: the object has {count} pixels, fewer than {parameters.min_pixels}; "
+            "use a larger picture or lower min_pixels",
+        )
+    return ramp, component
+
+
+def _two_levels(grey: FloatArray) -> tuple[float, float]:
+    """Mean grey of the dark and of the light pixels, parted by Otsu's threshold on 256 levels."""
+    least, most = float(grey.min()), float(grey.max())
+    levels = ((grey - least) * (255.0 / (most - least))).astype(np.uint8)
+    counts = np.bincount(levels.ravel(), minlength=256)
+    split = int(threshold_otsu(hist=counts)) + 1
+    dark, light = counts[:split], counts[split:]
+    step = (most - least) / 255.0
+    low = float(np.dot(dark, np.arange(split)) / dark.sum())
+    high = float(np.dot(light, np.arange(split, 256)) / light.sum())
+    return least + step * low, least + step * high
+
+
+def _filled(light: BoolArray) -> BoolArray:
+    """Fill what the outside cannot reach, not even over corners: contours never touch themselves."""
+    outside, _ = ndimage.label(np.pad(~light, 1, constant_values=True), structure=np.ones((3, 3)))
+    return np.asarray(outside[1:-1, 1:-1] != outside[0, 0], dtype=np.bool_)
+
+
+def _largest(light: BoolArray) -> BoolArray:
+    """The component, connected over edges, with the most pixels; of equals the first in reading order."""
+    labels, count = ndimage.label(light)
+    if count == 1:
+        return light
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return np.asarray(labels == int(sizes.argmax()), dtype=np.bool_)
+
+
+def _contour(ramp: FloatArray, component: BoolArray, smoothing: float, where: str) -> FloatArray:
+    """The component's outline at sub-pixel accuracy, (m, 2) as (column, row)."""
+    rows, columns = np.flatnonzero(component.any(axis=1)), np.flatnonzero(component.any(axis=0))
+    top, left = int(rows[0]), int(columns[0])
+    box = (slice(top, int(rows[-1]) + 1), slice(left, int(columns[-1]) + 1))
+    inside = component[box]
+    step = max(1, int(math.sqrt(inside.sum()) / _FINE_SIDE))
+    margin = step * (2 + math.ceil(4.0 * smoothing))
+    extra = [-n % step for n in inside.shape]
+    inside = np.pad(inside, ((margin, margin + extra[0]), (margin, margin + extra[1])))
+    near = np.pad(ramp[box], ((margin, margin + extra[0]), (margin, margin + extra[1])))
+    # Grey values count beside the outline only, and may not move it to another component.
+    field = np.where(inside, np.maximum(near, 0.5), np.minimum(near, 0.5))
+    all_sides, any_side = _with_neighbours(inside)
+    field[all_sides] = 1.0
+    field[~any_side] = 0.0
+    if step > 1:
+        field = field.reshape(field.shape[0] // step, step, field.shape[1] // step, step).mean(axis=(1, 3))
+    area = float(field.sum())
+    for sigma in (smoothing, smoothing / 2.0, 0.0):
+        smooth = ndimage.gaussian_filter(field, sigma, mode="constant") if sigma > 0.0 else field
+        # "low": the background connects over corners, the object does not, as in the labelling above.
+        contours = find_contours(smooth, 0.5, fully_connected="low")
+        if not contours:
+            continue
+        contour = max(contours, key=lambda points: abs(polyline.signed_area(points[:-1])))[:-1]
+        if sigma == 0.0 or abs(abs(polyline.signed_area(contour)) - area) <= _FAITHFUL * area:
+            break
+    else:
+        raise SilhouetteError("degenerate", f"{where}: the object is too thin for an outline; use a larger picture")
+    pixels = contour[:, ::-1] * step + ((step - 1) / 2.0 - margin)
+    return np.asarray(pixels + np.array([left, top]), dtype=np.float64)
+
+
+def _with_neighbours(inside: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """Pixels that are inside with all four neighbours; pixels that are, or have a neighbour, inside.
+
+    The array's own border must be outside.
+    """
+    rows = inside[:-1] & inside[1:]
+    columns = inside[:, :-1] & inside[:, 1:]
+    all_sides = np.zeros_like(inside)
+    all_sides[1:-1, 1:-1] = rows[:-1, 1:-1] & rows[1:, 1:-1] & columns[1:-1, :-1] & columns[1:-1, 1:]
+    any_side = inside.copy()
+    any_side[1:] |= inside[:-1]
+    any_side[:-1] |= inside[1:]
+    any_side[:, 1:] |= inside[:, :-1]
+    any_side[:, :-1] |= inside[:, 1:]
+    return all_sides, any_side
+
+
+def _outline_shape(
+    points: FloatArray,
+    name: str,
+    where: str,
+    parameters: ShapeParameters,
+    vertex_tolerance: float = math.inf,
+    *,
+    y_down: bool,
+) -> Shape:
+    """Sample one closed outline and bring it to the frame of a `Shape`."""
+    if len(points) > _MOST_POINTS:
+        raise SilhouetteError(
+            "too-large", f"{where}: the outline has {len(points)} points, more than {_MOST_POINTS}; simplify it"
+        )
+    _refuse_scale(points, where)
+    flip = np.array([1.0, -1.0 if y_down else 1.0])
+    outline = _simple_outline(points * flip, where)
+    samples, feature = _sampled(outline, where, parameters, vertex_tolerance)
+    area = polyline.signed_area(samples)
+    centre = polyline.centroid(samples)
+    scale = math.sqrt(area)
+    to_source = np.column_stack([np.diag(scale * flip), centre * flip])
+    return Shape((samples - centre) / scale, feature, name, to_source)
+
+
+def _refuse_scale(points: FloatArray, where: str) -> None:
+    far = float(np.abs(points).max(initial=0.0))
+    extent = polyline.extent(points) if far <= _SCALES[1] and len(points) else 0.0
+    if far > _SCALES[1] or 0.0 < extent < _SCALES[0]:
+        raise SilhouetteError(
+            "degenerate", f"{where}: the coordinates are beyond {_SCALES[0]} … {_SCALES[1]} in size; scale the outline"
+        )
+    if 0.0 < extent < _DIGITS * far:
+        raise SilhouetteError(
+            "degenerate",
+            f"{where}: an outline {extent:.3g} wide, {far:.3g} from the origin, has lost its form to rounding; move it",
+        )
+
+
+def _simple_outline(points: FloatArray, where: str) -> FloatArray:
+    """A simple counter-clockwise polygon that starts at its vertex farthest from its centroid."""
+    differs = points != polyline.shifted(points, -1)
+    distinct = points[differs[:, 0] | differs[:, 1]]
+    extent = polyline.extent(points) if len(points) else 0.0
+    if len(distinct) < 3:
+        raise SilhouetteError("degenerate", f"{where}: an outline needs three distinct points at least")
+    if not polyline.is_simple(distinct):
+        distinct = _repaired(distinct, where)
+    area = polyline.signed_area(distinct)
+    if abs(area) <= _THIN * extent**2:
+        raise SilhouetteError("degenerate", f"{where}: the outline encloses no area")
+    if area < 0.0:
+        distinct = distinct[::-1]
+    start = polyline.farthest(distinct, polyline.centroid(distinct))
+    return polyline.shifted(distinct, start)
+
+
+def _repaired(points: FloatArray, where: str) -> FloatArray:
+    """The dominant part of a self-touching outline (holes that it pinches off are filled)."""
+    try:
+        refuse_tangles([points])
+    except TangleError as error:
+        raise SilhouetteError("self-crossing", f"{where}: {error}; give the boundary of one region") from error
+    parts = shapely.get_parts(shapely.make_valid(shapely.Polygon(points)))
+    regions = [shapely.Polygon(part.exterior) for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
+    regions += [
+        shapely.Polygon(piece.exterior) for part in parts if part.geom_type == "MultiPolygon" for piece in part.geoms
+    ]
+    if not regions:
+        raise SilhouetteError("degenerate", f"{where}: the outline encloses no area")
+    best = max(regions, key=lambda region: float(region.area))
+    if best.area < _REPAIRED * sum(region.area for region in regions) or not best.is_valid:
+        raise SilhouetteError("self-crossing", f"{where}: the outline crosses itself; give the boundary of one region")
+    return np.asarray(best.exterior.coords, dtype=np.float64)[:-1]
+
+
+def _sampled(
+    outline: FloatArray, where: str, parameters: ShapeParameters, vertex_tolerance: float
+) -> tuple[FloatArray, BoolArray]:
+    """Feature points and midpoints between them, closer than ``L_c / spacing`` at the samples' own scale.
+
+    Vertices without which the outline would be off by ``vertex_tolerance``, in units of ``L_c``, are among them.
+    """
+    unit = math.sqrt(polyline.signed_area(outline))
+    length = float(polyline.edge_lengths(outline).sum()) / (L_C * unit)
+    if length > _LONGEST:
+        raise SilhouetteError(
+            "degenerate",
+            f"{where}: the outline is {length:.0f} times as long as that of a disc of the same area, more than "
+            f"{_LONGEST:.0f}; the object is too thin, or its outline too ragged, for a dissection",
+        )
+    tolerance = parameters.feature_tolerance
+    for _ in range(4):
+        main = polyline.simplify(outline, tolerance * L_C * unit)
+        kept = main
+        if vertex_tolerance < tolerance:
+            kept = np.union1d(main, polyline.simplify(outline, vertex_tolerance * L_C * unit))
+        samples, feature = polyline.insert_midpoints(outline, kept, L_C / parameters.spacing * unit)
+        feature[np.flatnonzero(feature)[~np.isin(kept, main)]] = False
+        area = polyline.signed_area(samples)
+        if len(samples) >= 3 and area > 0.0 and polyline.is_simple(samples):
+            if polyline.edge_lengths(samples).max() < L_C / parameters.spacing * math.sqrt(area):
+                return samples, feature
+            unit = 0.999 * math.sqrt(area)  # sampling cut corners off: what was one unit is now more
+        else:
+            tolerance /= 4.0  # the samples pass a narrow neck on the wrong side
+    raise SilhouetteError(
+        "self-crossing",
+        f"{where}: the outline is too fine to be sampled without crossing itself; remove slivers and narrow necks",
+    )

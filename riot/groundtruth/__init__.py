@@ -1,0 +1,1 @@
+"""Exact reversible pairs without end, to test against (theory §11)."""

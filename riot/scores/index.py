@@ -1,0 +1,206 @@
+"""Index over the trunks of a whole collection: the best partners of a shape without scoring it with all (ours).
+
+All trunks of one n, of whatever shape, are gathered into leaves of similar ones and these into cells; a shape's trunks
+meet only the cells that are near enough to matter. What matters shrinks as good partners turn up, and they turn up
+early, because the nearest cells come first. The results are those of scoring every pair, to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from riot.kernels.search import partners
+from riot.parameters.method import QcrsParameters
+from riot.scores.forest import Forest
+from riot.scores.leaves import gather_leaves
+from riot.scores.qcrs import BlockScores, TrunkStack, distance_of, lay_out_forest, scale_of
+
+CELL = 128
+"""Leaves of a cell; any number gives the same result."""
+
+LAID_OUT_BY = ("trunks", "leaves", "groups")
+"""What of the cells is kept; laying out the rest takes less time than reading and checking it."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrunkIndex:
+    """The trunks of a collection, ready for search.
+
+    Parameters
+    ----------
+    trunks : TrunkStack
+        All shapes' trunks.
+    cells : Forest
+        The same, gathered into cells regardless of their shapes.
+    """
+
+    trunks: TrunkStack
+    cells: Forest
+
+    def __len__(self) -> int:
+        return len(self.trunks)
+
+    @classmethod
+    def build(cls, stacks: Sequence[TrunkStack]) -> TrunkIndex:
+        """Index the shapes of some stacks, numbered in their order."""
+        everything = join(stacks)
+        leaves = gather_leaves(everything)
+        n = np.diff(everything.offsets)[leaves[:, 0]]
+        runs = np.flatnonzero(np.diff(n, prepend=0))
+        first = np.concatenate([np.arange(low, high, CELL) for low, high in _spans(runs, len(n))] + [[len(n)]])
+        return cls(everything, lay_out_forest(everything, leaves, first, np.arange(len(first))))
+
+    @cached_property
+    def owners(self) -> npt.NDArray[np.int32]:
+        """(t,) each trunk's shape."""
+        return np.repeat(np.arange(len(self)), np.diff(self.trunks.starts)).astype(np.int32)
+
+    @cached_property
+    def crowns(self) -> npt.NDArray[np.float32]:
+        """(cells, 2 features) box of each cell, as `riot.kernels.leaves` lays boxes out."""
+        features, first = self.cells.features, self.cells.leaves[:-1]
+        crowns = np.empty((len(first), 2 * features.shape[1]), dtype=np.float32)
+        if len(first):
+            crowns[:, 0::2] = np.minimum.reduceat(features.min(axis=2), first)
+            crowns[:, 1::2] = np.maximum.reduceat(features.max(axis=2), first)
+        return crowns
+
+    @classmethod
+    def array_names(cls) -> tuple[str, ...]:
+        """What `to_arrays` names its arrays."""
+        return (*(f"trunks.{field.name}" for field in fields(TrunkStack)), *(f"cells.{name}" for name in LAID_OUT_BY))
+
+    def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """Plain arrays by name, to be kept: those that the rest is quickly made of again."""
+        parts = {"trunks": self.trunks.to_arrays(), "cells": self.cells._asdict()}
+        return {name: parts[part][array] for name in self.array_names() for part, array in [name.split(".")]}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> TrunkIndex:
+        """Undo `to_arrays`."""
+        # Copies: compiled kernels would compile a second time for read-only arrays.
+        copies = {name: np.array(arrays[name]) for name in cls.array_names()}
+        trunks = TrunkStack.from_arrays({field.name: copies[f"trunks.{field.name}"] for field in fields(TrunkStack)})
+        return cls(trunks, lay_out_forest(trunks, *(copies[f"cells.{name}"] for name in LAID_OUT_BY)))
+
+
+@dataclass(frozen=True, eq=False)
+class Partners:
+    """The best pairs that were asked for, best first (ties: i, then j), and how many pairs it took to know them.
+
+    ``compared`` counts the pairs of shapes of which two trunks were compared corner by corner.
+    """
+
+    scores: BlockScores
+    compared: int
+
+
+def join(stacks: Sequence[TrunkStack]) -> TrunkStack:
+    """The shapes of several stacks as one."""
+    if len(stacks) == 1:
+        return stacks[0]
+
+    def put(parts: list[npt.NDArray[np.int64]]) -> npt.NDArray[np.int64]:
+        ends = np.cumsum([0, *(part[-1] for part in parts)])
+        return np.concatenate([[0], *(part[1:] + end for part, end in zip(parts, ends, strict=False))]).astype(np.int64)
+
+    return TrunkStack(
+        starts=put([each.starts for each in stacks]),
+        offsets=put([each.offsets for each in stacks]),
+        edges=np.concatenate([np.zeros(0), *(each.edges for each in stacks)]),
+        alphas=np.concatenate([np.zeros(0), *(each.alphas for each in stacks)]),
+        betas=np.concatenate([np.zeros(0), *(each.betas for each in stacks)]),
+        areas=np.concatenate([np.zeros(0), *(each.areas for each in stacks)]),
+        leaf_starts=put([each.leaf_starts for each in stacks]),
+        leaves=np.concatenate([np.empty((0, 16), np.int32), *(each.leaves for each in stacks)]),
+    )
+
+
+def best_partners(
+    index: TrunkIndex,
+    query: TrunkStack,
+    count: int,
+    parameters: QcrsParameters | None = None,
+    least: float = 0.0,
+    itself: Sequence[int] | None = None,
+) -> Partners:
+    """Of every shape of ``query`` its ``count`` best partners in the index that score above 0 and at least ``least``.
+
+    ``itself`` gives the query shapes' own numbers in the index, which are no partners; −1 where there is none. In the
+    scores, i numbers the query's shapes and j the index's. Exact; among equals the first by (j; trunks; shift).
+    Raises ValueError if ``count`` < 1.
+    """
+    if count < 1:
+        raise ValueError(f"best_partners({count=}): ask for one partner at least")
+    found = [
+        _search(index, query, i, count, parameters, float(distance_of(least)), [] if itself is None else [itself[i]])
+        for i in range(len(query))
+    ]
+    return Partners(_collect(query, [rows for rows, _ in found]), sum(met for _, met in found))
+
+
+def best_pairs(index: TrunkIndex, count: int, parameters: QcrsParameters | None = None, least: float = 0.0) -> Partners:
+    """The ``count`` best pairs i < j of the index that score above 0 and at least ``least``, best first; exact."""
+    if count < 1:
+        raise ValueError(f"best_pairs({count=}): ask for one pair at least")
+    limit = float(distance_of(least))
+    kept = np.empty((0, 6))
+    compared = 0
+    for i in range(len(index)):
+        rows, met = _search(index, index.trunks, i, count, parameters, limit, range(i + 1))
+        compared += met
+        kept = np.concatenate([kept, rows])
+        kept = kept[np.lexsort((kept[:, 1], kept[:, 0], kept[:, 2]))][:count]
+        if len(kept) == count:
+            limit = min(limit, float(kept[-1, 2]))
+    return Partners(_collect(index.trunks, [kept]), compared)
+
+
+def _search(
+    index: TrunkIndex,
+    query: TrunkStack,
+    i: int,
+    count: int,
+    parameters: QcrsParameters | None,
+    limit: float,
+    not_these: Sequence[int] | range,
+) -> tuple[npt.NDArray[np.float64], int]:
+    """(k, 6) i, j, D, T, T', shift of the nearest, nearest first; and the number of shapes that were compared."""
+    bests = np.full(len(index), np.inf)
+    out = [number for number in not_these if number >= 0]
+    bests[out] = -1.0
+    winners = np.full((len(index), 3), -1, dtype=np.int32)
+    met = np.zeros(len(index), dtype=np.int32)
+    tops = np.full(count, limit)
+    scale = scale_of(query, index.trunks, parameters or QcrsParameters())
+    partners(i, query.forest, index.cells, index.owners, index.crowns, scale, tops, bests, winners, met)
+    met[out] = 0
+    near = np.flatnonzero((winners[:, 0] >= 0) & (bests <= tops[-1]))
+    near = near[np.lexsort((near, bests[near]))][:count]
+    t, u = winners[near, 0] - query.starts[i], winners[near, 1] - index.trunks.starts[near]
+    rows = np.column_stack([np.full(len(near), i), near, bests[near], t, u, winners[near, 2]])
+    return rows.astype(np.float64), int(met.sum())
+
+
+def _collect(query: TrunkStack, rows: Sequence[npt.NDArray[np.float64]]) -> BlockScores:
+    every = np.concatenate([np.empty((0, 6)), *rows])
+    i, trunk = every[:, 0].astype(np.int64), every[:, 3].astype(np.int64)
+    return BlockScores(
+        i=i.astype(np.int32),
+        j=every[:, 1].astype(np.int32),
+        score=np.exp(-0.5 * every[:, 2] ** 2),
+        n=np.diff(query.offsets)[query.starts[i] + trunk].astype(np.int8),
+        trunk_i=trunk.astype(np.int32),
+        trunk_j=every[:, 4].astype(np.int32),
+        shift=every[:, 5].astype(np.int8),
+    )
+
+
+def _spans(starts: npt.NDArray[np.int64], end: int) -> list[tuple[int, int]]:
+    return list(zip(starts.tolist(), [*starts[1:].tolist(), end], strict=False))

@@ -1,0 +1,47 @@
+"""Leaves: trunks gathered by likeness, which makes the search for near ones quick (ours)."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from riot.kernels.leaves import features, gather
+from riot.parameters.method import QcrsParameters
+from riot.types import FloatArray, IntArray
+from riot.units import D_C
+
+
+class RaggedTrunks(Protocol):
+    """Trunks of any numbers of corners, concatenated: one shape's (`riot.scores.trunks.Trunks`) or many shapes'."""
+
+    @property
+    def offsets(self) -> IntArray:
+        """(t + 1,) of every trunk's corners in the following three."""
+
+    @property
+    def edges(self) -> FloatArray:
+        """(s,) edge lengths."""
+
+    @property
+    def alphas(self) -> FloatArray:
+        """(s,) trunk angles α."""
+
+    @property
+    def betas(self) -> FloatArray:
+        """(s,) β = 2π − θ − α."""
+
+    @property
+    def areas(self) -> FloatArray:
+        """(t,) trunk areas."""
+
+
+def gather_leaves(trunks: RaggedTrunks) -> npt.NDArray[np.int32]:
+    """(l, 16) numbers of similar trunks of one n, in order of n: the leaves of the search (ours)."""
+    usual = QcrsParameters()
+    sizes = np.diff(trunks.offsets)
+    order = np.argsort(sizes, kind="stable")
+    values = features(trunks.offsets, trunks.edges, trunks.alphas, trunks.betas, trunks.areas)[order]
+    leaves = gather(values, sizes[order], usual.sigma_e * D_C, usual.sigma_angle, usual.sigma_area)
+    return order[leaves].astype(np.int32)

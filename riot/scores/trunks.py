@@ -1,0 +1,263 @@
+"""Candidate trunks of one shape: convex n-gons inscribed in it (paper §4.1.2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from riot.geometry.polyline import TIE, TOUCH, arc_length, swept_area
+from riot.geometry.shape import Shape
+from riot.kernels.enumerate import enumerate_convex
+from riot.kernels.segments import inside_shares
+from riot.parameters.method import QcrsVariant, TrunkParameters
+from riot.scores.reversibility import Reversibility, cut_off, reversibility
+from riot.scores.vertices import (
+    Congruency,
+    congruency,
+    convex_points,
+    local_outside_angles,
+    passes_visibility,
+    sparse_points,
+)
+from riot.types import BoolArray, FloatArray, IntArray
+from riot.units import D_C, L_C
+
+
+@dataclass(frozen=True, eq=False)
+class Trunks:
+    """The candidate trunks of one shape, ragged, ordered by (n, area, vertices).
+
+    Trunk t has the vertices ``vertices[offsets[t]:offsets[t + 1]]``, counter-clockwise; edge i of a trunk runs from its
+    vertex i to the next.
+
+    Parameters
+    ----------
+    offsets : (t + 1,) int64
+    vertices : (s,) int32
+        Indices into the shape's ``points``.
+    edges : (s,) float64
+        Edge lengths, unit-area frame.
+    alphas : (s,) float64
+        Trunk angles at the vertices, radians.
+    thetas : (s,) float64
+        Outside angles of the shape at the vertices, radians.
+    areas : (t,) float64
+        Trunk areas; the shape's is 1.
+    """
+
+    offsets: IntArray
+    vertices: npt.NDArray[np.int32]
+    edges: FloatArray
+    alphas: FloatArray
+    thetas: FloatArray
+    areas: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.areas)
+
+    @property
+    def sizes(self) -> IntArray:
+        """(t,) number of vertices of each trunk."""
+        return np.diff(self.offsets)
+
+    @property
+    def betas(self) -> FloatArray:
+        """(s,) 2π − θ − α: what the conjugate trunk's angle should be (theory §6)."""
+        return 2.0 * math.pi - self.thetas - self.alphas
+
+    def of(self, trunk: int) -> IntArray:
+        """(n,) vertices of one trunk, indices into the shape's points."""
+        return self.vertices[self.offsets[trunk] : self.offsets[trunk + 1]].astype(np.int64)
+
+    def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """Plain arrays by field name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> Trunks:
+        """Undo `to_arrays`."""
+        return cls(**{field.name: arrays[field.name] for field in fields(cls)})
+
+
+def trunks(shape: Shape, parameters: TrunkParameters | None = None) -> Trunks:
+    """The candidate trunks of a shape for the full score; the same as `full_trunks`."""
+    return full_trunks(shape, parameters)
+
+
+def quick_trunks(shape: Shape, parameters: TrunkParameters | None = None, necks: Reversibility | None = None) -> Trunks:
+    """Candidate trunks without congruency tests, local outside angles, for QCRS (paper §5.2).
+
+    Points cut off by necks narrower than ``neck_width`` are left out; ``necks`` are found if not given. A shape may
+    have no trunks.
+    """
+    parameters = parameters or TrunkParameters()
+    candidates = sparse_points(shape, parameters)
+    necks = necks or reversibility(shape)
+    candidates = candidates[~cut_off(shape, necks, parameters.neck_width * D_C)[candidates]]
+    candidates = candidates[passes_visibility(shape, candidates)]
+    convex = convex_points(shape, parameters)
+    admissible = admissible_edges(shape, candidates, parameters, convex)
+    thetas = local_outside_angles(shape, candidates, parameters)
+    return _assemble(shape, candidates, thetas, admissible, len(convex), parameters)
+
+
+def full_trunks(shape: Shape, parameters: TrunkParameters | None = None) -> Trunks:
+    """Candidate trunks with visibility and congruency tests, robust outside angles, for CRS (paper §4.1).
+
+    A shape may have none.
+    """
+    parameters = parameters or TrunkParameters()
+    candidates = sparse_points(shape, parameters)
+    candidates = candidates[passes_visibility(shape, candidates)]
+    congruent = congruency(shape, candidates, parameters)
+    kept = congruent.score > parameters.tau_c
+    candidates = candidates[kept]
+    congruent = Congruency(congruent.score[kept], congruent.length[kept], congruent.turn[kept])
+    convex = convex_points(shape, parameters)
+    admissible = admissible_edges(shape, candidates, parameters, convex)
+    admissible &= _overlap(shape, candidates, congruent.length) < (parameters.max_overlap - TIE) * L_C
+    return _assemble(shape, candidates, congruent.turn, admissible, len(convex), parameters)
+
+
+def compared_trunks(
+    shape: Shape,
+    variant: QcrsVariant,
+    parameters: TrunkParameters | None = None,
+    necks: Callable[[], Reversibility] | None = None,
+) -> Trunks:
+    """The trunks of a shape that QCRS compares; ``necks``, asked for by the paper variant alone, are found if not
+    given.
+
+    ``paper``: quick trunks (§5.2). ``tuned``: full trunks (§4.1), so that both scores choose among the same trunks, by
+    the same outside angles (ours).
+    """
+    if variant == "tuned":
+        return full_trunks(shape, parameters)
+    return quick_trunks(shape, parameters, None if necks is None else necks())
+
+
+def admissible_edges(
+    shape: Shape, candidates: IntArray, parameters: TrunkParameters, convex: IntArray | None = None
+) -> BoolArray:
+    """(c, c) whether the edge from candidate i to candidate j, with the boundary between them, may be a trunk's.
+
+    The boundary between them holds a convex point (paper: of the boundary simplified with τ_s; ours: the edge's ends do
+    not count) and is shorter than ``max_arc`` of the whole; the exterior piece has area above ``min_area``; at least
+    ``min_inside`` of the edge is inside the closed shape. What is within `riot.geometry.polyline.TIE` of a limit
+    counts as on it, so that rounding does not choose among the trunks of symmetric shapes (ours). ``convex``: the
+    shape's `riot.scores.vertices.convex_points`, found if not given.
+    """
+    lengths = arc_length(shape.points)
+    arcs = _arcs(lengths, candidates)
+    admissible: BoolArray = (arcs > 0.0) & (arcs < (parameters.max_arc - TIE) * lengths[-1])
+    admissible &= _holds_one_of(candidates, convex_points(shape, parameters) if convex is None else convex)
+    admissible &= exterior_areas(shape.points, candidates) > parameters.min_area + TIE
+    shares = inside_shares(shape.points, candidates, admissible, TOUCH)
+    admissible &= np.nan_to_num(shares) >= parameters.min_inside - TIE
+    return admissible
+
+
+def exterior_areas(points: FloatArray, candidates: IntArray) -> FloatArray:
+    """(c, c) signed area between the boundary from candidate i to j and the edge i–j; positive outside the edge."""
+    running = swept_area(points)
+    swept = running[candidates][None, :] - running[candidates][:, None]
+    swept = np.where(candidates[None, :] < candidates[:, None], swept + running[-1], swept)
+    x, y = points[candidates].T
+    areas: FloatArray = swept + 0.5 * (x[None, :] * y[:, None] - y[None, :] * x[:, None])
+    return areas
+
+
+def _arcs(lengths: FloatArray, candidates: IntArray) -> FloatArray:
+    """(c, c) boundary length from candidate i forwards to candidate j, of the arc ``lengths`` (m + 1,)."""
+    at = lengths[candidates]
+    arcs: FloatArray = np.mod(at[None, :] - at[:, None], lengths[-1])
+    return arcs
+
+
+def _holds_one_of(candidates: IntArray, marks: IntArray) -> BoolArray:
+    """(c, c) whether a mark lies strictly between candidates i and j, going forwards."""
+    upto = np.searchsorted(marks, candidates, side="right")
+    before = np.searchsorted(marks, candidates, side="left")
+    between = before[None, :] - upto[:, None]
+    between = np.where(candidates[None, :] < candidates[:, None], between + len(marks), between)
+    holds: BoolArray = between > 0
+    return holds
+
+
+def _overlap(shape: Shape, candidates: IntArray, stretches: FloatArray) -> FloatArray:
+    """(c, c) length that the congruent stretches of candidates i and j share on the boundary from i to j.
+
+    What of a stretch runs on beyond the other candidate is not on that boundary; negative if they do not meet.
+    """
+    arcs = _arcs(arc_length(shape.points), candidates)
+    overlap: FloatArray = np.minimum(stretches[:, None], arcs) + np.minimum(stretches[None, :], arcs) - arcs
+    return overlap
+
+
+def _assemble(
+    shape: Shape,
+    candidates: IntArray,
+    thetas: FloatArray,
+    admissible: BoolArray,
+    most: int,
+    parameters: TrunkParameters,
+) -> Trunks:
+    """All trunks of up to ``most`` vertices over the admissible edges."""
+    points = shape.points[candidates]
+    exterior = exterior_areas(shape.points, candidates)
+    parts = []
+    room = parameters.max_trunks
+    for n in range(3, min(most, parameters.max_vertices) + 1):
+        chosen, longer = enumerate_convex(points, admissible, n, room + 1)
+        if len(chosen) > room:
+            break
+        room -= len(chosen)
+        if len(chosen):
+            parts.append(_describe(points, exterior, candidates, thetas, chosen))
+        if not longer:
+            break
+    return _join(parts)
+
+
+def _describe(
+    points: FloatArray, exterior: FloatArray, candidates: IntArray, thetas: FloatArray, chosen: IntArray
+) -> Trunks:
+    """The trunks with one n, given as rows of candidate numbers in lexicographic order."""
+    following = np.concatenate([chosen[:, 1:], chosen[:, :1]], axis=1)
+    areas = 1.0 - exterior[chosen, following].sum(axis=1)
+    order = np.argsort(areas, kind="stable")
+    chosen, following = chosen[order], following[order]
+    x, y = points[:, 0][chosen], points[:, 1][chosen]
+    ahead_x, ahead_y = points[:, 0][following] - x, points[:, 1][following] - y
+    behind_x = np.concatenate([-ahead_x[:, -1:], -ahead_x[:, :-1]], axis=1)
+    behind_y = np.concatenate([-ahead_y[:, -1:], -ahead_y[:, :-1]], axis=1)
+    alphas = np.arctan2(ahead_x * behind_y - ahead_y * behind_x, ahead_x * behind_x + ahead_y * behind_y)
+    rows, n = chosen.shape
+    return Trunks(
+        offsets=np.arange(rows + 1, dtype=np.int64) * n,
+        vertices=candidates[chosen].astype(np.int32).ravel(),
+        edges=np.hypot(ahead_x, ahead_y).ravel(),
+        alphas=alphas.ravel(),
+        thetas=thetas[chosen].ravel(),
+        areas=areas[order],
+    )
+
+
+def _join(parts: list[Trunks]) -> Trunks:
+    if not parts:
+        none = np.empty(0)
+        return Trunks(np.zeros(1, dtype=np.int64), np.empty(0, dtype=np.int32), none, none, none, none)
+    sizes = np.concatenate([part.sizes for part in parts])
+    return Trunks(
+        offsets=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
+        vertices=np.concatenate([part.vertices for part in parts]),
+        edges=np.concatenate([part.edges for part in parts]),
+        alphas=np.concatenate([part.alphas for part in parts]),
+        thetas=np.concatenate([part.thetas for part in parts]),
+        areas=np.concatenate([part.areas for part in parts]),
+    )

@@ -1,0 +1,91 @@
+"""Candidate trunk vertices: the binary score and the congruency score of boundary points (paper §4.1.1)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from riot.geometry.polyline import TIE, arc_length, interior_angles, simplify, spread
+from riot.geometry.shape import Shape
+from riot.kernels.congruency import local_turns, longest_congruent
+from riot.kernels.visibility import seen_from
+from riot.parameters.method import TrunkParameters
+from riot.types import BoolArray, FloatArray, IntArray
+from riot.units import D_C, L_C
+
+SAMPLE_STEP = L_C / 100
+"""Sampling step of the stretches whose Fréchet distance is taken (the paper's boundary spacing)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Congruency:
+    """Congruency of the boundary on the two sides of k points.
+
+    Parameters
+    ----------
+    score : (k,) float64
+        S_c of eq. (2): 0 where no stretch is long enough or congruent enough.
+    length : (k,) float64
+        Length ℓ of the longest congruent stretch on either side; 0 without one.
+    turn : (k,) float64
+        Outside angle θ, radians: the turn that carries the stretch behind the point onto the one ahead of it.
+    """
+
+    score: FloatArray
+    length: FloatArray
+    turn: FloatArray
+
+
+def sparse_points(shape: Shape, parameters: TrunkParameters) -> IntArray:
+    """Indices, (k,) int64 sorted, of the sparse boundary points: feature points, then midpoints (paper §4.1.2)."""
+    features = simplify(shape.points, parameters.sparse_tolerance * L_C)
+    return spread(shape.points, features, L_C / parameters.spacing)
+
+
+def break_points(shape: Shape, parameters: TrunkParameters) -> IntArray:
+    """Indices, (b,) int64 sorted, of the boundary simplified with τ_s."""
+    return simplify(shape.points, parameters.tau_s)
+
+
+def convex_points(shape: Shape, parameters: TrunkParameters) -> IntArray:
+    """Indices of the convex points of the boundary simplified with τ_s; their number is the paper's K."""
+    breaks = break_points(shape, parameters)
+    if len(breaks) < 3:
+        return breaks
+    return breaks[interior_angles(shape.points[breaks]) < math.pi]
+
+
+def passes_visibility(shape: Shape, indices: IntArray) -> BoolArray:
+    """(k,) the binary score of eq. (1): False at points from which too much of the shape is hidden.
+
+    That is: as much area as a circle with the visible region's perimeter has, or half the boundary or more in one
+    hidden region.
+    """
+    lengths = arc_length(shape.points)
+    area, perimeter, hidden = seen_from(shape.points, lengths, indices).T
+    invisible = 1.0 - area
+    passes: BoolArray = (invisible < perimeter**2 / (4.0 * math.pi)) & (hidden < (0.5 - TIE) * lengths[-1])
+    return passes
+
+
+def congruency(shape: Shape, indices: IntArray, parameters: TrunkParameters) -> Congruency:
+    """S_c, stretch length and robust outside angle at boundary points (eq. 2; how ℓ is found is ours).
+
+    For every break point of the simplified boundary, ℓ is its distance along the boundary; the stretch of that length
+    behind the point is turned about it onto the stretch ahead, by the least-squares angle. The longest ℓ whose discrete
+    Fréchet distance still gives S_c ≥ τ_c counts.
+    """
+    lengths = arc_length(shape.points)
+    sigma = parameters.sigma_c * D_C
+    limit = sigma * math.sqrt(-2.0 * math.log(parameters.tau_c)) if parameters.tau_c > 0.0 else math.inf
+    breaks = lengths[break_points(shape, parameters)]
+    shortest = 0.5 * parameters.min_congruent * lengths[-1]
+    length, distance, turn = longest_congruent(shape.points, lengths, indices, breaks, SAMPLE_STEP, limit, shortest).T
+    return Congruency(np.exp(-(distance**2) / (2.0 * sigma**2)), length, turn)
+
+
+def local_outside_angles(shape: Shape, indices: IntArray, parameters: TrunkParameters) -> FloatArray:
+    """(k,) θ, radians, from the boundary next to each point (paper §5.2)."""
+    return local_turns(shape.points, arc_length(shape.points), indices, L_C / parameters.local)

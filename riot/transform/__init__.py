@@ -1,0 +1,1 @@
+"""A transform as data: pieces, poses, certificate, fidelity, the ``.riot`` file (paper §3.1)."""
