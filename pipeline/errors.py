@@ -21,8 +21,8 @@ class StopError(PipelineError, RuntimeError):
     """What ends a run that had begun, of the machine or of the store; what is done is kept, and the run can go on."""
 
 
-class PlaceError(PipelineError, OSError):
-    """A place that takes no more files: full, or read-only. Nothing else can be written there either."""
+class StorageError(PipelineError, OSError):
+    """A location that is full or read-only: no other file can be written there either."""
 
 
 class PayloadError(PipelineError, ValueError):

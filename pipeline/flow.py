@@ -14,7 +14,7 @@ import numpy as np
 
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import Collection, collect
-from pipeline.errors import PlaceError, StartError, StopError
+from pipeline.errors import StartError, StopError, StorageError
 from pipeline.exit_codes import CLEAN, WITH_ERRORS
 from pipeline.plan.plan import (
     Pair,
@@ -37,8 +37,8 @@ from pipeline.plan.plan import (
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.execute import Run, open_run
 from pipeline.runtime.quarantine import bring_scores, bring_shapes
-from pipeline.store.filesystem.base import Place
 from pipeline.store.filesystem.choose import open_files
+from pipeline.store.location import Location
 from pipeline.store.storage_errors import writing_to
 from pipeline.tables.outputs import swept
 from pipeline.tables.record import GALLERY, RECORD, REPORT, holds, outcome_digest, write_record
@@ -63,7 +63,7 @@ def run_folder(config: Config) -> Path:
     return config.outputs / config.dataset.name
 
 
-def check_writable(place: Place, parameter: str) -> None:
+def check_writable(place: Location, parameter: str) -> None:
     """Make a place and try to write in it.
 
     Raises `StartError` naming the place and the ``parameter`` that chooses another.
@@ -94,11 +94,11 @@ def run_pipeline(config: Config, listen: Listener) -> Outcome:
         try:
             return _run(config, collection, listen, unwritable)
         except OSError as error:  # a full disk, no memory to map a file: what is in the store stays there
-            mend = "make room, or make it writable, and " if isinstance(error, PlaceError) else ""
+            mend = "make room, or make it writable, and " if isinstance(error, StorageError) else ""
             raise StopError(f"{error}; {mend}give the same command again: it goes on from here") from error
 
 
-def _unwritable(store: Place) -> StartError | None:
+def _unwritable(store: Location) -> StartError | None:
     """Why a store that is there cannot be written; raises `StartError` when there is none."""
     try:
         check_writable(store, "store")
@@ -247,7 +247,7 @@ def _report(folder: Path, listen: Listener) -> Path | None:
     try:
         with writing_to(folder):
             return write(folder)
-    except PlaceError:
+    except StorageError:
         raise
     except Exception as error:  # the tables are whole: a run must not be lost by its picture book
         listen(Note(f"the report could not be written: {type(error).__name__}: {error}; the tables are complete"))

@@ -20,7 +20,7 @@ from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.plan.keys import SCHEMA, KeyParts
 from pipeline.stages.registry import STAGES
 from pipeline.store.accept import accept, parts_of
-from pipeline.store.filesystem.base import place_of
+from pipeline.store.location import parse_location
 from pipeline.store.store import State, Store, folder_name
 from pipeline.tables.messages import several
 from pipeline.tables.record import ARTIFACTS
@@ -122,7 +122,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     store = Store(options.store)
     try:
         if not store.files.exists():
-            raise StartError(f"{store.root}: there is no store here; give --store PLACE")
+            raise StartError(f"{store.root}: there is no store here; give --store LOCATION")
         if options.command == "du":
             _show_usage(usage(store), console)
             return OK
@@ -228,7 +228,9 @@ def _parser() -> argparse.ArgumentParser:
         ("accept", "after an edit that changes no result: keep a run's artifacts for the code that is here now"),
     ):
         command = commands.add_parser(name, help=text, description=text)
-        command.add_argument("--store", type=place_of, default=Path("store"), help="folder or URL (default: store)")
+        command.add_argument(
+            "--store", type=parse_location, default=Path("store"), help="folder or URL (default: store)"
+        )
         if name == "gc":
             command.add_argument("--outputs", type=Path, default=Path("outputs"), help="runs to keep for")
             command.add_argument(

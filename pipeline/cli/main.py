@@ -19,7 +19,7 @@ from rich.table import Table
 import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
 from pipeline.match.search import Match, Mined, Query, match, open_mined, read_query
 from pipeline.match.slices import add_collection
-from pipeline.store.filesystem.base import place_of
+from pipeline.store.location import parse_location
 from riot.cli import main as cli
 from riot.kernels.warm import warm_all
 
@@ -152,7 +152,9 @@ def _add_match(commands: cli.Commands) -> None:
         "--in", dest="run_folder", type=Path, required=True, metavar="RUN", help="folder of a run, as outputs/mpeg7"
     )
     parser.add_argument("--top", type=_count, default=10, metavar="K", help="how many partners (default: 10)")
-    parser.add_argument("--store", type=place_of, metavar="PLACE", help="the run's store, if it was moved (DIR or URL)")
+    parser.add_argument(
+        "--store", type=parse_location, metavar="LOCATION", help="the run's store, if it was moved (DIR or URL)"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     parser.add_argument("--timings", action="store_true", help="print how long each step took, on standard error")
     parser.set_defaults(run=run_match)

@@ -14,7 +14,7 @@ from typing import Any, Literal, TypeVar
 
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import ConfigError
-from pipeline.store.filesystem.base import Place, Url
+from pipeline.store.location import Location, Url
 from riot.parameters.fabrication import FabricationParameters
 from riot.parameters.method import (
     QCRS_VARIANTS,
@@ -137,7 +137,7 @@ class Config:
     dataset: DatasetConfig
     outputs: Path = Path("outputs")
     """Tables and report go to ``outputs/<dataset>/``."""
-    store: Place = Path("store")
+    store: Location = Path("store")
     """Content-addressed artifacts, shared by all runs: a folder, or a URL such as s3://bucket/prefix."""
     batch: int = 32
     """Mean number of shapes in a work item of the per-shape stages; a QCRS block is a pair of batches."""

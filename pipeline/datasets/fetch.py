@@ -27,7 +27,7 @@ import pooch
 from PIL import Image
 
 from pipeline.datasets.collection import DatasetError, default_root
-from pipeline.store.storage_errors import TAKES_NO_MORE
+from pipeline.store.storage_errors import UNWRITABLE
 from riot.geometry.picture import FORMATS, SUFFIXES
 
 MPEG7_URLS = ("http://www.dabi.temple.edu/~shape/MPEG7/MPEG7dataset.zip",)
@@ -204,7 +204,7 @@ def _download(urls: Sequence[str], folder: Path, timeout: float) -> Path:
         except _TooLong as error:
             failures.append(f"{url} ({error})")
         except Exception as error:  # whatever the transport raises, the next address may do
-            if isinstance(error, OSError) and error.errno in TAKES_NO_MORE:
+            if isinstance(error, OSError) and error.errno in UNWRITABLE:
                 raise  # a full disk: no address will do
             failures.append(f"{url} ({type(error).__name__}: {str(error)[:200]})")
     raise DatasetError(

@@ -18,7 +18,7 @@ from pipeline.match.index import load_index
 from pipeline.plan.causes import explain, gather
 from pipeline.plan.keys import digest_bytes
 from pipeline.stages.registry import BY_NAME, Recipe, recipe
-from pipeline.store.filesystem.base import Place, place_of
+from pipeline.store.location import Location, parse_location
 from pipeline.store.store import Entry, Store
 from pipeline.tables.record import ARTIFACTS, RECORD, read_record
 from riot.geometry.shape import Shape
@@ -90,14 +90,14 @@ class Match:
     compared: int
 
 
-def open_mined(folder: Path, store: Place | None = None) -> Mined:
+def open_mined(folder: Path, store: Location | None = None) -> Mined:
     """Read what a finished run in ``folder`` stands on; ``store``: where its store is now, if not where it was.
 
     Raises `StartError` when there is no such run, it was mined by other code than is here, or its store is gone.
     """
     record = _record(folder)
     config = _config(folder, record)
-    where = Store(store or place_of(record.get("store", config.store)))
+    where = Store(store or parse_location(record.get("store", config.store)))
     if not where.files.exists():
         moved = "give --store DIR if it was moved" if store is None else "give the folder that it is in now"
         raise StartError(f"{where.root}: the store of {folder} is gone; {moved}; else {AGAIN}")

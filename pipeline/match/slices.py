@@ -10,7 +10,7 @@ from pathlib import Path
 from pipeline.errors import PayloadError, StartError
 from pipeline.match.search import AGAIN, Mined, open_mined, trunks_as_mined
 from pipeline.stages.items import count_shapes, expect_shape
-from pipeline.store.filesystem.base import place_of
+from pipeline.store.location import parse_location
 from riot.cli import main as cli
 from riot.cli.slices import given, slice_model
 from riot.geometry.shape import Shape
@@ -25,7 +25,9 @@ def add_collection(commands: cli.Commands) -> None:
     parser.add_argument(
         "--in", dest="run_folder", type=Path, metavar="RUN", help="become shapes of a run, as outputs/mpeg7"
     )
-    parser.add_argument("--store", type=place_of, metavar="PLACE", help="the run's store, if it was moved (DIR or URL)")
+    parser.add_argument(
+        "--store", type=parse_location, metavar="LOCATION", help="the run's store, if it was moved (DIR or URL)"
+    )
     parser.set_defaults(run=run_slices)
 
 

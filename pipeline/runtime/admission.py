@@ -16,7 +16,7 @@ from pipeline.plan.causes import explain, gather
 from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.plan.keys import SCHEMA
 from pipeline.stages.registry import STAGES
-from pipeline.store.filesystem.base import Place
+from pipeline.store.location import Location
 
 Identity = Mapping[str, Any]
 """What all stages' keys name of code and libraries, in the form of the parts of a key."""
@@ -38,7 +38,7 @@ def identity() -> Identity:
 class Admission:
     """The workers of a cluster: each is asked once, before it gets its first task, and admitted or refused."""
 
-    def __init__(self, client: Any, root: Place | None, tell: Callable[[str], None]) -> None:
+    def __init__(self, client: Any, root: Location | None, tell: Callable[[str], None]) -> None:
         """``root`` is the store if it is a folder; ``tell`` gets a line for every worker that is refused."""
         self._client, self._root, self._tell = client, root, tell
         self._own = identity()
@@ -78,7 +78,7 @@ class Admission:
                 self._tell(f"worker {address} is refused: {said}")
 
 
-def objection(own: Identity, answer: Any, root: Place | None) -> str:
+def objection(own: Identity, answer: Any, root: Location | None) -> str:
     """What is wrong with a worker that gave this answer to `_question`; empty if nothing is."""
     if isinstance(answer, ImportError):
         return f"it lacks this project or a library of it ({answer}); install there what is here"
@@ -107,7 +107,7 @@ def _question() -> Callable[[str | None], tuple[Identity, bool]]:
 
 
 @contextmanager
-def _probe(root: Place | None) -> Iterator[str | None]:
+def _probe(root: Location | None) -> Iterator[str | None]:
     """A file in the store that was never there before, while workers look for it."""
     if not isinstance(root, Path):  # an object store is the same for all
         yield None

@@ -24,7 +24,7 @@ from pipeline.runtime.guard import Guards
 from pipeline.runtime.inputs import Kept
 from pipeline.runtime.threads import ONE_THREAD
 from pipeline.runtime.worker import Failure, Receipt, perform
-from pipeline.store.filesystem.base import Place
+from pipeline.store.location import Location
 
 Bundle = Sequence[WorkItem]
 MAX_ATTEMPTS = 3
@@ -54,7 +54,7 @@ def _say_nothing(_event: object) -> None:
 
 @contextlib.contextmanager
 def open_cluster(
-    config: ClusterConfig, root: Place | None = None, listen: Listener = _say_nothing
+    config: ClusterConfig, root: Location | None = None, listen: Listener = _say_nothing
 ) -> Iterator[Executor]:
     """Open the cluster that the configuration names and close it afterwards.
 
@@ -212,7 +212,7 @@ def _failure(future: Any, attempts: int) -> Failure:
 
 
 @contextlib.contextmanager
-def _local(config: ClusterConfig, _root: Place | None, _listen: Listener) -> Iterator[Executor]:
+def _local(config: ClusterConfig, _root: Location | None, _listen: Listener) -> Iterator[Executor]:
     from distributed import Client, LocalCluster
 
     _quiet()
@@ -249,7 +249,7 @@ def _answering_interrupts(answer: Any) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _external(config: ClusterConfig, root: Place | None, listen: Listener) -> Iterator[Executor]:
+def _external(config: ClusterConfig, root: Location | None, listen: Listener) -> Iterator[Executor]:
     from distributed import Client
 
     _quiet()
@@ -265,7 +265,7 @@ def _external(config: ClusterConfig, root: Place | None, listen: Listener) -> It
 
 
 @contextlib.contextmanager
-def _slurm(config: ClusterConfig, root: Place | None, listen: Listener) -> Iterator[Executor]:
+def _slurm(config: ClusterConfig, root: Location | None, listen: Listener) -> Iterator[Executor]:
     from distributed import Client
 
     _quiet()
@@ -292,7 +292,7 @@ def _slurm(config: ClusterConfig, root: Place | None, listen: Listener) -> Itera
 def _admitting(
     client: Any,
     config: ClusterConfig,
-    root: Place | None,
+    root: Location | None,
     listen: Listener,
     hint: str,
     refusals: Callable[[], list[str]] = list,

@@ -9,14 +9,14 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 
 from pipeline.config.schema import ClusterConfig
-from pipeline.errors import PlaceError, StartError
+from pipeline.errors import StartError, StorageError
 from pipeline.plan.plan import Reference, WorkItem
 from pipeline.runtime.cluster import Bundle, Executor, Here, open_cluster
 from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.registry import BY_NAME
 from pipeline.store.artifact import Artifact
-from pipeline.store.filesystem.base import Place
+from pipeline.store.location import Location
 from pipeline.store.store import State, Store
 
 MAX_TRIES = 3
@@ -45,7 +45,7 @@ class Run:
     def stage(self, name: str, items: Sequence[WorkItem], *, here: bool = False) -> None:
         """Bring a stage's items into the store; ``here``: in this process, because it is not worth a worker.
 
-        Raises `PlaceError` once the store takes no more, and ``unwritable`` for the first item that it lacks.
+        Raises `StorageError` once the store takes no more, and ``unwritable`` for the first item that it lacks.
         """
         started = time.perf_counter()
         unique = {item.reference: item for item in items}
@@ -137,8 +137,8 @@ class Run:
                 reference = (receipt.stage, receipt.key)
                 if receipt.failure is None:
                     self.done.add(reference)
-                elif receipt.failure.type == PlaceError.__name__:  # no other artifact can be written there either
-                    raise PlaceError(receipt.failure.message)
+                elif receipt.failure.type == StorageError.__name__:  # no other artifact can be written there either
+                    raise StorageError(receipt.failure.message)
                 elif receipt.failure.type in RETRIED and tries < MAX_TRIES:
                     again.append(ready[reference])
                     continue
@@ -189,7 +189,7 @@ def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:
 
 @contextlib.contextmanager
 def open_run(
-    root: Place,
+    root: Location,
     cluster: ClusterConfig,
     prepare: Callable[[], None],
     listen: Listener,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pipeline.plan.plan import WorkItem
 from pipeline.runtime.inputs import Inputs, Kept
 from pipeline.stages.registry import code_text, work_of
-from pipeline.store.filesystem.base import place_of
+from pipeline.store.location import parse_location
 from pipeline.store.store import State, Store
 
 DEADLY = frozenset({"TimeLimit", "ProcessLost", "KilledWorker", "WorkerLost"})
@@ -50,7 +50,7 @@ def perform(root: str, items: Sequence[WorkItem], kept: Kept) -> Iterator[Receip
 
     Inputs that the worker keeps are in ``kept``, which it passes with every task.
     """
-    store = Store(place_of(root))
+    store = Store(parse_location(root))
     inputs = Inputs(store, items, kept)
     for place, item in enumerate(items):
         yield _perform_one(store, inputs, place, item)

@@ -1,4 +1,4 @@
-"""Room: what writes to a place that is full or read-only ends in, so that whoever is told knows which place it was."""
+"""Errors of a full or read-only location: they name the location, and no other file can be written there either."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ import errno
 import os
 from collections.abc import Iterator
 
-from pipeline.errors import PlaceError
-from pipeline.store.filesystem.base import Place
+from pipeline.errors import StorageError
+from pipeline.store.location import Location
 
-TAKES_NO_MORE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
-"""Numbers of the errors of a place that is full, or may not be written: the next file fails as well."""
+UNWRITABLE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
+"""Error numbers of a full disk, a used-up quota, a file size limit, and a read-only file system."""
 
 
 @contextlib.contextmanager
-def writing_to(place: Place) -> Iterator[None]:
-    """While files of a place are written; raises `PlaceError` if it takes no more, and other errors as they are."""
+def writing_to(location: Location) -> Iterator[None]:
+    """Turn the errors of a full or read-only ``location`` into `StorageError`; other errors pass as they are."""
     try:
         yield
     except OSError as error:
-        if error.errno not in TAKES_NO_MORE:
+        if error.errno not in UNWRITABLE:
             raise
-        raise PlaceError(f"cannot write to {place}: {os.strerror(error.errno)}") from error
+        raise StorageError(f"cannot write to {location}: {os.strerror(error.errno)}") from error

@@ -21,11 +21,12 @@ from typing import Any
 from pipeline.errors import PayloadError
 from pipeline.plan.keys import SCHEMA, KeyParts, digest_bytes, digest_text
 from pipeline.store.artifact import Artifact, canonical_json, decode, encode
-from pipeline.store.filesystem.base import Files, Place
+from pipeline.store.filesystem.base import Files
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.filesystem.local import TEMPORARY as TEMPORARY  # for whoever writes files beside a store
 from pipeline.store.filesystem.local import sync_folder as sync_folder
 from pipeline.store.filesystem.local import write_atomically as write_atomically
+from pipeline.store.location import Location
 from pipeline.store.storage_errors import writing_to
 
 PAYLOAD = "payload.bin"
@@ -58,9 +59,9 @@ class Entry:
 
 @dataclass(frozen=True)
 class Store:
-    """Artifacts below one place. Any number of processes may read and write it at once."""
+    """Artifacts below one location. Any number of processes may read and write it at once."""
 
-    root: Place
+    root: Location
 
     @cached_property
     def files(self) -> Files:
@@ -69,10 +70,10 @@ class Store:
 
     @property
     def text(self) -> str:
-        """Where it is, for processes and records with another working folder (see `place_of`)."""
+        """Where it is, for processes and records with another working folder (see `parse_location`)."""
         return str(self.root.absolute() if isinstance(self.root, Path) else self.root)
 
-    def folder(self, stage: str, key: str) -> Place:
+    def folder(self, stage: str, key: str) -> Location:
         """Where the artifact of a key lives, whether it exists or not."""
         return self.root.joinpath(folder_name(stage, key))
 
@@ -88,7 +89,7 @@ class Store:
     ) -> str:
         """`put` an encoded artifact; ``accepted`` is the key of the artifact that it was taken from, if it was.
 
-        Raises `pipeline.errors.PlaceError` where nothing more can be written, OSError where this could not.
+        Raises `pipeline.errors.StorageError` where nothing more can be written, OSError where this could not.
         """
         key = parts.key()
         manifest = {
@@ -187,5 +188,5 @@ class Store:
 
 
 def folder_name(stage: str, key: str) -> str:
-    """The folder of an artifact below the store's place."""
+    """The folder of an artifact, relative to the store's location."""
     return f"{stage}/{key[:2]}/{key}"

@@ -26,7 +26,7 @@ from rich.console import Console
 import pipeline.runtime.execute
 from pipeline.cli.cache import OK, main
 from pipeline.config.schema import ClusterConfig, Config
-from pipeline.errors import PlaceError
+from pipeline.errors import StorageError
 from pipeline.exit_codes import FAILED
 from pipeline.plan.keys import KeyParts
 from pipeline.plan.plan import Reference
@@ -98,7 +98,7 @@ def refuse_an_artifact(undisturbed: Undisturbed, where: Path) -> None:
     store.put(one, large)
     for options, why in (("size=640k", "No space left on device"), ("ro", "Read-only file system")):
         change(where / "store", options)
-        with pytest.raises(PlaceError, match=f"^cannot write to {store.root}: {why}$"):
+        with pytest.raises(StorageError, match=f"^cannot write to {store.root}: {why}$"):
             store.put(two, large)
         assert committed(store) == {("stage", one.key())} and not list(store.root.rglob(".tmp-*"))
     change(where / "store", "rw", "size=1280k")

@@ -14,7 +14,7 @@ from hypothesis.extra import numpy as npst
 from pipeline.errors import PayloadError
 from pipeline.plan.keys import KeyParts
 from pipeline.store.artifact import Artifact, decode, encode
-from pipeline.store.filesystem.local import MAPPED
+from pipeline.store.filesystem.local import MAPPED_SIZE
 from pipeline.store.store import CHECKED, MANIFEST, PAYLOAD, TEMPORARY, State, Store
 
 names = st.text(alphabet="abcdefg_", min_size=1, max_size=6)
@@ -134,7 +134,7 @@ def test_many_are_checked_as_each_alone(store: Store) -> None:
 
 
 def test_large_payloads_are_mapped_and_come_back_too(store: Store) -> None:
-    large = Artifact({"x": np.arange(MAPPED / 8)})
+    large = Artifact({"x": np.arange(MAPPED_SIZE / 8)})
     key = store.put(parts(), large)
     again = store.get("stage", key).arrays["x"]
     assert np.array_equal(again, large.arrays["x"]) and not again.flags.writeable

@@ -1,4 +1,4 @@
-"""What every place for a store must do, whichever it is: inherit `PlaceKit` and give it a fixture ``files``."""
+"""What every file system of a store must do: inherit `FilesKit` and give it a fixture ``files``."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Model(RuleBasedStateMachine):
     def begin(self) -> None:
         for name in list(self.files.names("")):
             self.files.remove(name)
-        self.store = Store(self.files.place)
+        self.store = Store(self.files.location)
         self.expected: dict[int, State] = {}
 
     @rule(number=st.integers(0, 3))
@@ -99,8 +99,8 @@ class Model(RuleBasedStateMachine):
         assert whole == {parts(number).key() for number in present}
 
 
-class PlaceKit:
-    """The tests; ``files`` is a fixture with an empty place for each test."""
+class FilesKit:
+    """The tests; ``files`` is a fixture with an empty location for each test."""
 
     examples = 25
 
@@ -152,11 +152,11 @@ class PlaceKit:
     def test_listings_of_many_pages(self, files: Files) -> None:
         keys = [parts(number).key() for number in range(30)]
         for number in range(30):
-            Store(files.place).put(parts(number), made(0))
-        assert list(Store(files.place).folders()) == sorted(("stage", key) for key in keys)
+            Store(files.location).put(parts(number), made(0))
+        assert list(Store(files.location).folders()) == sorted(("stage", key) for key in keys)
 
     def test_writers_of_one_key_agree(self, files: Files) -> None:
-        store = Store(files.place)
+        store = Store(files.location)
         writers = [threading.Thread(target=store.put, args=(parts(1), made(1))) for _ in range(6)]
         for writer in writers:
             writer.start()

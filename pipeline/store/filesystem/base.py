@@ -1,46 +1,23 @@
-"""The few things that a store asks of the place it is in, and how places are named."""
+"""What a store needs of a file system, as a protocol: a folder and an object store implement it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
-from pathlib import Path
 from typing import Protocol
 
-
-class Url(str):
-    """A place on an object store that fsspec knows, such as ``s3://bucket/prefix``; one spelling for each place."""
-
-    __slots__ = ()
-
-    def __new__(cls, text: str) -> Url:
-        """Raises ValueError for text that is no URL."""
-        scheme, mark, rest = text.partition("://")
-        if not (scheme.isalnum() and mark and rest.strip("/")):
-            raise ValueError(f"{text!r} is no URL; give PROTOCOL://PLACE, such as s3://bucket/prefix")
-        return super().__new__(cls, f"{scheme}://{rest.strip('/')}")
-
-    def joinpath(self, *names: str) -> Url:
-        """The place below this one."""
-        return Url("/".join([self, *names]))
-
-
-Place = Path | Url
-
-
-def place_of(text: str | Path) -> Place:
-    """A URL if the text is one, else a path."""
-    return Url(text) if isinstance(text, str) and "://" in text else Path(text)
+from pipeline.store.location import Location
 
 
 class Files(Protocol):
-    """Files by name below one place; a name's parts are separated by ``/``.
+    """Files by name below one location; a name's parts are separated by ``/``.
 
-    Every method may raise OSError, and nothing else, when the place fails. Any number of processes may use it at once.
+    Every method may raise OSError, and nothing else, when the file system fails. Any number of processes may use it at
+    once.
     """
 
     @property
-    def place(self) -> Place:
+    def location(self) -> Location:
         """Where this is."""
 
     @property
@@ -48,10 +25,10 @@ class Files(Protocol):
         """How many reads are worth having under way at once."""
 
     def exists(self) -> bool:
-        """Whether the place is there."""
+        """Whether the location exists."""
 
     def probe(self) -> None:
-        """Make the place if need be, write a file there and remove it; raises OSError when that cannot be done."""
+        """Create the location if it is missing, write a file there and remove it; raises OSError when that fails."""
 
     def read(self, name: str) -> memoryview:
         """All bytes of a file; raises FileNotFoundError when there is none."""
@@ -78,4 +55,4 @@ class Files(Protocol):
         """While entered, nobody gets `alone`; not held any more once the process is gone, however it went."""
 
     def alone(self) -> AbstractContextManager[bool]:
-        """Entered with whether nobody else holds the place; False where that cannot be known."""
+        """Entered with whether no other process is inside `shared` or `alone`; False where that is unknown."""

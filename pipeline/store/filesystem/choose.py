@@ -1,17 +1,18 @@
-"""From a place to its files."""
+"""Open the files below a location, whichever file system holds it."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from pipeline.store.filesystem.base import Files, Place
+from pipeline.store.filesystem.base import Files
 from pipeline.store.filesystem.local import LocalFiles
+from pipeline.store.location import Location
 
 
-def open_files(place: Place) -> Files:
-    """The files below a place; raises `pipeline.errors.StartError` when what it takes is not installed."""
-    if isinstance(place, Path):
-        return LocalFiles(place)
+def open_files(location: Location) -> Files:
+    """The files below a location; raises `pipeline.errors.StartError` when what it takes is not installed."""
+    if isinstance(location, Path):
+        return LocalFiles(location)
     from pipeline.store.filesystem.objects import open_objects  # takes fsspec: only who needs it waits for it
 
-    return open_objects(place)
+    return open_objects(location)

@@ -1,6 +1,6 @@
 """Files in a folder of this machine, or one that it mounts.
 
-A file is written under a unique name beside its place, synced and renamed. Its writer has it locked until then: a
+A file is written under a unique name in its folder, synced and renamed. Its writer has it locked until then: a
 temporary file that can be locked belongs to nobody, whatever the clock says, and no lock outlives its process.
 """
 
@@ -18,36 +18,36 @@ from pathlib import Path
 
 TEMPORARY = ".tmp-"
 
-PROBED = 2**16
-"""Bytes that a place must have room for: in a full one an empty file can still be made."""
+PROBE_SIZE = 2**16
+"""Bytes that `LocalFiles.probe` writes: an empty file can be made on a full disk, too."""
 
-MAPPED = 2**18
-"""Files of so many bytes are mapped, smaller ones, such as blocks of scores, are read: that costs less."""
+MAPPED_SIZE = 2**18
+"""Files of this many bytes or more are mapped into memory; smaller ones, such as blocks of scores, are read faster."""
 
 
 @dataclass(frozen=True)
 class LocalFiles:
     """See `pipeline.store.filesystem.base.Files`."""
 
-    place: Path
+    location: Path
     threads = 4
 
     def exists(self) -> bool:
         """See `Files.exists`."""
-        return self.place.is_dir()
+        return self.location.is_dir()
 
     def probe(self) -> None:
         """See `Files.probe`."""
-        probe = self.place / f"{TEMPORARY}{uuid.uuid4().hex}"
-        self.place.mkdir(parents=True, exist_ok=True)
-        write_atomically(probe, bytes(PROBED))
+        probe = self.location / f"{TEMPORARY}{uuid.uuid4().hex}"
+        self.location.mkdir(parents=True, exist_ok=True)
+        write_atomically(probe, bytes(PROBE_SIZE))
         probe.unlink()
 
     def read(self, name: str) -> memoryview:
         """See `Files.read`; large files are mapped."""
         try:
-            with (self.place / name).open("rb") as stream:
-                if os.fstat(stream.fileno()).st_size < MAPPED:
+            with (self.location / name).open("rb") as stream:
+                if os.fstat(stream.fileno()).st_size < MAPPED_SIZE:
                     return memoryview(stream.read())
                 return memoryview(mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ))
         except NotADirectoryError as error:
@@ -55,7 +55,7 @@ class LocalFiles:
 
     def write(self, folder: str, files: Mapping[str, bytes]) -> None:
         """See `Files.write`."""
-        path = self.place / folder
+        path = self.location / folder
         path.mkdir(parents=True, exist_ok=True)
         for name, data in files.items():
             _replace(path / name, data)
@@ -65,13 +65,13 @@ class LocalFiles:
     def names(self, folder: str) -> Iterator[str]:
         """See `Files.names`."""
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-            yield from sorted(path.name for path in (self.place / folder).iterdir())
+            yield from sorted(path.name for path in (self.location / folder).iterdir())
 
     def sizes(self, folder: str) -> dict[str, int]:
         """See `Files.sizes`."""
         found = {}
         for name in self.names(folder):
-            path = self.place / folder / name
+            path = self.location / folder / name
             with contextlib.suppress(FileNotFoundError):  # another process has tidied it away
                 if path.is_file():
                     found[name] = path.stat().st_size
@@ -79,7 +79,7 @@ class LocalFiles:
 
     def remove(self, name: str) -> None:
         """See `Files.remove`."""
-        path = self.place / name
+        path = self.location / name
         with contextlib.suppress(FileNotFoundError):
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)
@@ -88,20 +88,19 @@ class LocalFiles:
 
     def abandoned(self, folder: str) -> list[str]:
         """See `Files.abandoned`; where files cannot be locked, none is."""
-        return [
-            name for name in self.names(folder) if name.startswith(TEMPORARY) and _is_free(self.place / folder / name)
-        ]
+        path = self.location / folder
+        return [name for name in self.names(folder) if name.startswith(TEMPORARY) and _is_free(path / name)]
 
     @contextlib.contextmanager
     def shared(self) -> Iterator[None]:
         """See `Files.shared`; the folder itself is locked, so that no lock file is left."""
-        with _locked(self.place, fcntl.LOCK_SH):
+        with _locked(self.location, fcntl.LOCK_SH):
             yield
 
     @contextlib.contextmanager
     def alone(self) -> Iterator[bool]:
         """See `Files.alone`."""
-        with _locked(self.place, fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
+        with _locked(self.location, fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
             yield held
 
 

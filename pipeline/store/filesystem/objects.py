@@ -12,20 +12,20 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.errors import StartError
-from pipeline.store.filesystem.base import Url
+from pipeline.store.location import Url
 
 
 @dataclass(frozen=True)
 class ObjectFiles:
     """See `pipeline.store.filesystem.base.Files`; ``system`` is an fsspec file system that keeps no listings."""
 
-    place: Url
+    location: Url
     system: Any
     threads = 32
 
     def exists(self) -> bool:
         """See `Files.exists`."""
-        with _failing(self.place):
+        with _failing(self.location):
             return bool(self.system.exists(self._path("")))
 
     def probe(self) -> None:
@@ -35,13 +35,13 @@ class ObjectFiles:
 
     def read(self, name: str) -> memoryview:
         """See `Files.read`."""
-        with _failing(self.place):
+        with _failing(self.location):
             # In one request: several at once would be preceded by another, for the length.
             return memoryview(self.system.cat_file(self._path(name), max_concurrency=1))
 
     def write(self, folder: str, files: Mapping[str, bytes]) -> None:
         """See `Files.write`: an object that was put is durable."""
-        with _failing(self.place):
+        with _failing(self.location):
             for name, data in files.items():
                 self.system.pipe_file(self._path(folder, name), data)
 
@@ -56,7 +56,7 @@ class ObjectFiles:
 
     def remove(self, name: str) -> None:
         """See `Files.remove`."""
-        with _failing(self.place), contextlib.suppress(FileNotFoundError):
+        with _failing(self.location), contextlib.suppress(FileNotFoundError):
             self.system.rm(self._path(name), recursive=True)
 
     def abandoned(self, folder: str) -> list[str]:
@@ -74,36 +74,36 @@ class ObjectFiles:
         yield False
 
     def _path(self, *names: str) -> str:
-        return "/".join([str(self.system._strip_protocol(self.place)), *filter(None, names)])
+        return "/".join([str(self.system._strip_protocol(self.location)), *filter(None, names)])
 
     def _listed(self, folder: str) -> dict[str, Any]:
         path = self._path(folder)
-        with _failing(self.place), contextlib.suppress(FileNotFoundError, NotADirectoryError):
+        with _failing(self.location), contextlib.suppress(FileNotFoundError, NotADirectoryError):
             found = {one["name"].rstrip("/").rpartition("/")[2]: one for one in self.system.ls(path, detail=True)}
             # Some stores have an empty object of the folder's own name.
             return {name: one for name, one in found.items() if one["name"].strip("/") != path.strip("/")}
         return {}
 
 
-def open_objects(place: Url) -> ObjectFiles:
+def open_objects(location: Url) -> ObjectFiles:
     """The files below a URL; raises `StartError` when fsspec does not know the protocol or lacks its package."""
     try:
         import fsspec  # type: ignore[import-untyped]
 
-        system, _ = fsspec.url_to_fs(place, use_listings_cache=False)
+        system, _ = fsspec.url_to_fs(location, use_listings_cache=False)
     except (ImportError, ValueError) as error:
         raise StartError(
-            f"{place}: cannot be opened ({error}); for s3:// install riot-shapes[s3], or give a folder"
+            f"{location}: cannot be opened ({error}); for s3:// install riot-shapes[s3], or give a folder"
         ) from error
-    return ObjectFiles(place, system)
+    return ObjectFiles(location, system)
 
 
 @contextlib.contextmanager
-def _failing(place: Url) -> Iterator[None]:
+def _failing(location: Url) -> Iterator[None]:
     """Clients raise errors of their own for networks and services that fail; here all of them are OSError."""
     try:
         yield
     except OSError:
         raise
     except Exception as error:
-        raise OSError(f"{place}: {type(error).__name__}: {error}") from error
+        raise OSError(f"{location}: {type(error).__name__}: {error}") from error

@@ -8,20 +8,21 @@ from pathlib import Path
 
 import pytest
 from integration.small_runs import digests, pictures
-from stores.kit import PlaceKit, made, parts
+from stores.kit import FilesKit, made, parts
 
 from pipeline.cli.cache import BAD_START, OK, main
 from pipeline.config.schema import ClusterConfig, Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import StartError
 from pipeline.flow import run_pipeline
-from pipeline.store.filesystem.base import Files, Url, place_of
+from pipeline.store.filesystem.base import Files
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.filesystem.local import LocalFiles
+from pipeline.store.location import Url, parse_location
 from pipeline.store.store import State, Store
 
 
-class TestFolder(PlaceKit):
+class TestFolder(FilesKit):
     examples = 15
 
     @pytest.fixture
@@ -29,7 +30,7 @@ class TestFolder(PlaceKit):
         return LocalFiles(tmp_path / "store")
 
 
-class TestMemory(PlaceKit):
+class TestMemory(FilesKit):
     """fsspec's own file system in memory: the seam without a network."""
 
     @pytest.fixture
@@ -57,7 +58,7 @@ def bucket(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Url]:
     server.stop()
 
 
-class TestS3(PlaceKit):
+class TestS3(FilesKit):
     examples = 2
 
     @pytest.fixture
@@ -92,11 +93,11 @@ def test_a_run_on_an_object_store_writes_the_same_tables(
     assert all(stage.computed == 0 for stage in again.results.stages) and not again.written
     assert list(Store(there.store).folders()) == list(Store(here.store).folders())
     # The keeper works there, too.
-    place = ["--store", str(there.store)]
-    assert main(["du", *place]) == OK and main(["verify", *place]) == OK
+    at = ["--store", str(there.store)]
+    assert main(["du", *at]) == OK and main(["verify", *at]) == OK
     store = Store(there.store)
     store.put(parts(1), made(1))
-    gc = ["gc", *place, "--outputs", str(there.outputs)]
+    gc = ["gc", *at, "--outputs", str(there.outputs)]
     assert main(gc) == BAD_START and "--alone" in capsys.readouterr().out
     assert main([*gc, "--alone"]) == OK
     assert store.state("stage", parts(1).key()) is State.ABSENT
@@ -117,11 +118,11 @@ def test_a_protocol_that_nobody_knows_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "place"), [("s3://b/p/", Url("s3://b/p")), ("store", Path("store")), ("/a/b", Path("/a/b"))]
+    ("text", "location"), [("s3://b/p/", Url("s3://b/p")), ("store", Path("store")), ("/a/b", Path("/a/b"))]
 )
-def test_places_by_their_text(text: str, place: Path | Url) -> None:
-    assert place_of(text) == place and type(place_of(text)) is type(place)
-    assert place_of(str(place)) == place
+def test_a_location_is_parsed_from_its_text(text: str, location: Path | Url) -> None:
+    assert parse_location(text) == location and type(parse_location(text)) is type(location)
+    assert parse_location(str(location)) == location
 
 
 @pytest.mark.parametrize("text", ["s3://", "://b", "bucket", "s3:/b", ""])
