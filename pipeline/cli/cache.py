@@ -16,10 +16,10 @@ from rich.console import Console
 from rich.table import Table
 
 from pipeline.errors import PayloadError, StartError
+from pipeline.plan.accept import accept, parts_of
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.plan.keys import SCHEMA, KeyParts
 from pipeline.stages.registry import STAGES
-from pipeline.store.accept import accept, parts_of
+from pipeline.store.keys import SCHEMA, KeyParts
 from pipeline.store.location import parse_location
 from pipeline.store.store import State, Store, folder_name
 from pipeline.tables.messages import several

@@ -17,7 +17,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.config.schema import Config, make_config, unknown_name
 from pipeline.errors import ConfigError
-from pipeline.plan.keys import digest_text
+from pipeline.store.keys import digest_text
 
 CONF = Path(__file__).resolve().parents[2] / "conf"
 HYDRA_BASE = "1.3"

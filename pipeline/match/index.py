@@ -11,9 +11,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 from pipeline.errors import PayloadError
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.plan.keys import KeyParts
 from pipeline.stages.qcrs import prepare
 from pipeline.store.artifact import AnyArray, Artifact
+from pipeline.store.keys import KeyParts
 from pipeline.store.store import Store
 from riot.scores.index import TrunkIndex
 

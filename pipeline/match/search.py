@@ -16,8 +16,8 @@ from pipeline.config.schema import Config, make_config
 from pipeline.errors import ConfigError, PayloadError, StartError
 from pipeline.match.index import load_index
 from pipeline.plan.causes import explain, gather
-from pipeline.plan.keys import digest_bytes
 from pipeline.stages.registry import BY_NAME, Recipe, recipe
+from pipeline.store.keys import digest_bytes
 from pipeline.store.location import Location, parse_location
 from pipeline.store.store import Entry, Store
 from pipeline.tables.record import ARTIFACTS, RECORD, read_record

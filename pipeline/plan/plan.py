@@ -19,10 +19,10 @@ from pipeline.datasets.collection import Collection
 from pipeline.datasets.colours import may_be_coloured
 from pipeline.datasets.item import Item
 from pipeline.plan.batches import cut
-from pipeline.plan.keys import KeyParts, digest_text
 from pipeline.plan.part import Part
 from pipeline.stages.registry import STAGES, Recipe, recipe
 from pipeline.stages.specs import Place, Refined, Selecting, Starts
+from pipeline.store.keys import KeyParts, digest_text
 
 Reference = tuple[str, str]
 """(stage, key) of an artifact."""

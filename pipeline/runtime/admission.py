@@ -14,8 +14,8 @@ from typing import Any
 
 from pipeline.plan.causes import explain, gather
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.plan.keys import SCHEMA
 from pipeline.stages.registry import STAGES
+from pipeline.store.keys import SCHEMA
 from pipeline.store.location import Location
 
 Identity = Mapping[str, Any]

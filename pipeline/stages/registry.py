@@ -11,8 +11,8 @@ from typing import Any
 
 from pipeline.config.schema import Config, QcrsConfig
 from pipeline.plan.code_digest import code_digests, edited_since_start, library_versions
-from pipeline.plan.keys import KeyParts, SharedText, canonical_value
 from pipeline.store.artifact import Artifact, canonical_json
+from pipeline.store.keys import KeyParts, SharedText, canonical_value
 
 
 def _as_it_is(artifact: Artifact) -> Any:

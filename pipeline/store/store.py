@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import PayloadError
-from pipeline.plan.keys import SCHEMA, KeyParts, digest_bytes, digest_text
 from pipeline.store.artifact import Artifact, canonical_json, decode, encode
 from pipeline.store.filesystem.base import Files
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.filesystem.local import TEMPORARY as TEMPORARY  # for whoever writes files beside a store
 from pipeline.store.filesystem.local import sync_folder as sync_folder
 from pipeline.store.filesystem.local import write_atomically as write_atomically
+from pipeline.store.keys import SCHEMA, KeyParts, digest_bytes, digest_text
 from pipeline.store.location import Location
 from pipeline.store.storage_errors import writing_to
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pipeline.plan.keys import digest_text
 from pipeline.plan.plan import shape_key
 from pipeline.store.artifact import canonical_json
+from pipeline.store.keys import digest_text
 from pipeline.tables.results import Results
 from riot.transform.history import History, Step
 from riot.transform.riot_file import from_json, to_json

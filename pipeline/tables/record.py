@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.plan.code_digest import code_digests
-from pipeline.plan.keys import digest_bytes, digest_text
 from pipeline.store.artifact import canonical_json
+from pipeline.store.keys import digest_bytes, digest_text
 from pipeline.store.store import write_atomically
 from pipeline.tables.results import Results
 from riot.draw.texture.names import SIDES

@@ -27,8 +27,8 @@ from chaos.victims import (
 from integration.small_runs import digests
 
 from pipeline.cli.cache import OK, main
-from pipeline.plan.keys import KeyParts
 from pipeline.store.artifact import Artifact
+from pipeline.store.keys import KeyParts
 from pipeline.store.store import State, Store
 
 KILLED = {-signal.SIGKILL, -signal.SIGPROF, -signal.SIGXFSZ}

@@ -9,8 +9,8 @@ from edited_project import CODE, LIBRARIES, PARAMETERS, Edit, Project
 from integration.small_runs import draw
 
 from pipeline.datasets.collection import collect
+from pipeline.plan.accept import accept
 from pipeline.plan.plan import WorkItem, make_plan
-from pipeline.store.accept import accept
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
 

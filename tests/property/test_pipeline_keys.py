@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from pipeline.plan.keys import KeyParts, SharedText, canonical_value, digest_array
+from pipeline.store.keys import KeyParts, SharedText, canonical_value, digest_array
 
 arrays = npst.arrays(
     dtype=st.sampled_from([np.float64, np.float32, np.int64, np.int32, np.int8, np.bool_]),
@@ -126,7 +126,7 @@ def test_the_order_of_names_does_not_count() -> None:
 
 def test_keys_are_the_same_in_every_process() -> None:
     script = (
-        "import numpy as np; from pipeline.plan.keys import KeyParts, digest_array;"
+        "import numpy as np; from pipeline.store.keys import KeyParts, digest_array;"
         "p = KeyParts('s', {'x': {'b': 1.5, 'a': None}, 'set': [1, 2]}, ('i',), {'m': 'd'}, {'v': '1'});"
         "print(p.key(), digest_array(np.arange(6.0).reshape(2, 3)))"
     )

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from pipeline.errors import PayloadError
-from pipeline.plan.keys import KeyParts
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.store.filesystem.local import MAPPED_SIZE
+from pipeline.store.keys import KeyParts
 from pipeline.store.store import CHECKED, MANIFEST, PAYLOAD, TEMPORARY, State, Store
 
 names = st.text(alphabet="abcdefg_", min_size=1, max_size=6)

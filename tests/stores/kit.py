@@ -18,9 +18,9 @@ from hypothesis.stateful import (
 )
 
 from pipeline.errors import PayloadError
-from pipeline.plan.keys import KeyParts
 from pipeline.store.artifact import Artifact
 from pipeline.store.filesystem.base import Files
+from pipeline.store.keys import KeyParts
 from pipeline.store.store import MANIFEST, PAYLOAD, State, Store, folder_name
 
 names = st.sampled_from(["a", "b", "c", "long-name_1.bin"])

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from pipeline.config.schema import ClusterConfig
-from pipeline.plan.keys import KeyParts
 from pipeline.plan.plan import WorkItem
 from pipeline.runtime import worker as perform_module
 from pipeline.runtime.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask, _receipts, open_cluster
@@ -20,6 +19,7 @@ from pipeline.runtime.execute import MAX_TRIES, Run, bundles, tiles
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.registry import Work
 from pipeline.store.artifact import Artifact
+from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, State, Store
 
 

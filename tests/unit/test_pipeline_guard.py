@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.plan.keys import KeyParts
 from pipeline.plan.plan import WorkItem
 from pipeline.runtime.guard import MAX_DEATHS, Guard, Guards
 from pipeline.runtime.worker import Receipt
+from pipeline.store.keys import KeyParts
 
 LIMIT = 3.0
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from pipeline.errors import PayloadError
-from pipeline.plan.keys import KeyParts
 from pipeline.plan.plan import Reference, WorkItem
 from pipeline.runtime.inputs import Inputs, Kept
 from pipeline.store.artifact import Artifact
+from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, Store
 
 SIZE = 800

@@ -14,8 +14,8 @@ from typing import Any
 
 from pipeline.plan.causes import explain, gather
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.plan.keys import KeyParts
 from pipeline.stages.registry import STAGES, Stage
+from pipeline.store.keys import KeyParts
 from pipeline.store.store import Entry, State, Store
 
 
