@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.cli.cache import BAD_START, DAMAGED, OK, main
-from pipeline.plan.keys import KeyParts
 from pipeline.store.artifact import Artifact
+from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, State, Store
 from pipeline.tables.record import ARTIFACTS
 
