@@ -4,22 +4,10 @@
 
 A `Shape` is read from a picture, a vector file or a polygon; `reversibility`, `qcrs` and `crs` score one shape or
 two; `trunks` lists the convex polygons on which a dissection may rest; `construct` cuts the pieces and returns a
-`Transform`.
+`Transform`. Its packages stand in layers, each of which imports only those below it (tests/unit/test_layers.py).
+Importing ``riot`` loads none of them: each loads when it is first used (tests/unit/test_faces.py).
 """
 
-from types import ModuleType
-from typing import TYPE_CHECKING
+import lazy_loader
 
-from riot.lazy import offer
-
-if TYPE_CHECKING:
-    from riot.offered import *  # noqa: F403
-
-
-def _offered() -> ModuleType:
-    import riot.offered as module
-
-    return module
-
-
-offer(__name__, _offered, ("construct", "reversibility", "trunks"))
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

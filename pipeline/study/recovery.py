@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.study.hidden import HiddenPair, failed_test
 from pipeline.study.partners import Clock, Partners, attempt
 from pipeline.study.statistics import wilson
-from riot import construct
+from riot.construction.choose import construct
 from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.transform.transform import Transform

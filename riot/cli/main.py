@@ -17,17 +17,20 @@ from rich.table import Table
 
 from riot.cli.print_puzzle import add_print
 from riot.cli.slices import add_slices
-from riot.construction import alternatives, construct, construct_plan, load_pins
+from riot.construction.choose import alternatives, construct
+from riot.construction.make import construct_plan
+from riot.construction.pins import load_pins
 from riot.construction.plan import Plan
-from riot.draw import animate_svg, draw_strip, draw_transform, write_film
-from riot.draw.film import film_writer
+from riot.draw.animate import animate_svg
+from riot.draw.figure import draw_transform
+from riot.draw.film import film_writer, write_film
 from riot.draw.skin import PLAIN, Skins
+from riot.draw.strip import draw_strip
 from riot.draw.texture.names import SIDES, Side
 from riot.errors import RiotError, TrunkError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
-from riot.motion import Motion
 from riot.parameters.method import (
     ConstructParameters,
     CrsParameters,
@@ -41,6 +44,7 @@ from riot.scores.qcrs import qcrs
 from riot.transform.certificate import change_ratio
 from riot.transform.fidelity import bending_ratio, direction_error
 from riot.transform.history import History, file_digest, made_here, told
+from riot.transform.motion import Motion
 from riot.transform.transform import Transform
 
 if TYPE_CHECKING:

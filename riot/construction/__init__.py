@@ -1,8 +1,10 @@
-"""Construction: refined conjugate trunks, the partition and its tree, exact transforms (theory §7, §8)."""
+"""From two shapes to an exact transform: conjugate trunks, the partition, pieces, pins (paper §4.3).
 
-from riot.construction.choose import alternatives, construct
-from riot.construction.draft import Draft, draft_plan
-from riot.construction.make import construct_plan
-from riot.construction.pins import Pins, draw, keep, load_pins
+A transform made here passes its certificate or is not returned; the paper's Laplacian method, in `laplacian`, is the
+exception, kept to compare with. Every number of tuning stands in `riot.parameters`
+(tests/property/test_construction.py, test_refinement.py, test_pins.py).
+"""
 
-__all__ = ["Draft", "Pins", "alternatives", "construct", "construct_plan", "draft_plan", "draw", "keep", "load_pins"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

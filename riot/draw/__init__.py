@@ -1,8 +1,9 @@
-"""Pictures of a transform: one figure or a strip of its motion (SVG, PNG, PDF), the motion as animated SVG or film."""
+"""Pictures of a transform: one figure or a strip of its motion (SVG, PNG, PDF), animated SVG, film.
 
-from riot.draw.animate import animate_svg
-from riot.draw.figure import draw_transform
-from riot.draw.film import write_film
-from riot.draw.strip import draw_strip
+The same transform gives the same bytes. Pictures change no result: nothing below imports this package, so that no
+score is computed again when a colour changes (tests/unit/test_draw.py, tests/unit/test_layers.py).
+"""
 
-__all__ = ["animate_svg", "draw_strip", "draw_transform", "write_film"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

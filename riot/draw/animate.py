@@ -21,7 +21,7 @@ from riot.draw.panels import sketch
 from riot.draw.scene import Dot, Scene
 from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import dot, naming, painted, piece_id, place, whole
-from riot.motion import Motion
+from riot.transform.motion import Motion
 from riot.transform.transform import Transform
 
 STILL = 0.35

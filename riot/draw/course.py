@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from riot.draw.scene import Box, Dot, Mark, Part, around, swept
-from riot.motion import Motion
-from riot.transform.motion import LIFT
+from riot.transform.motion import LIFT, Motion
 from riot.transform.pose import direction
 from riot.transform.transform import Transform
 from riot.types import FloatArray

@@ -1,18 +1,9 @@
-"""Fabrication: from a transform to a puzzle in the hand (paper §4.4). All lengths in millimetres."""
+"""From a transform to a puzzle in the hand: hinges, solids, certificate, files to print and cut (paper §4.4).
 
-from types import ModuleType
-from typing import TYPE_CHECKING
+All lengths are in millimetres. A puzzle is certified to fit together and to move before it is written; what cannot be
+built raises `FabricationError`, which names the parameter to change (tests/property/test_fabrication.py).
+"""
 
-from riot.lazy import offer
+import lazy_loader
 
-if TYPE_CHECKING:
-    from riot.fabricate.offered import *  # noqa: F403
-
-
-def _offered() -> ModuleType:
-    import riot.fabricate.offered as module
-
-    return module
-
-
-offer(__name__, _offered, ("design",))
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

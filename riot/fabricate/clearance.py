@@ -14,7 +14,7 @@ from riot.fabricate.course import Stretch, moving, stretch_at
 from riot.fabricate.model import HingeEnd, PieceDesign, filled, polygons
 from riot.fabricate.outlines import disc, parts, subtract
 from riot.kernels.collide import clear_share, separation
-from riot.motion import Motion
+from riot.transform.motion import Motion
 from riot.types import FloatArray, IntArray
 
 CAP_MM = 3.0

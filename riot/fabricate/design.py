@@ -11,7 +11,7 @@ import math
 
 import shapely
 
-from riot.errors import FabricationError
+from riot.errors import FabricationError as FabricationError
 from riot.fabricate.clearance import shaved
 from riot.fabricate.course import stretches
 from riot.fabricate.layers import make_slabs
@@ -20,8 +20,10 @@ from riot.fabricate.outlines import SPARE, corner, make_outline, mends, narrowes
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
 from riot.geometry.polyline import extent, signed_area
-from riot.motion import Motion, MotionParameters, plan_motion
-from riot.parameters.fabrication import FabricationParameters
+from riot.motion.planner import plan_motion
+from riot.parameters.fabrication import FabricationParameters as FabricationParameters
+from riot.parameters.motion import MotionParameters
+from riot.transform.motion import Motion
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from riot.fabricate.telescope import Ring, Telescope
-from riot.motion import Motion
 from riot.parameters.fabrication import FabricationParameters
+from riot.transform.motion import Motion
 from riot.transform.pose import Pose
 from riot.transform.transform import Transform
 from riot.types import FloatArray

@@ -1,1 +1,11 @@
-"""From pictures, vector files and polygons to shapes (paper §6)."""
+"""From pictures, vector files and polygons to shapes (paper §6).
+
+A `riot.geometry.shape.Shape` is data; the readers in `silhouette` make it, of files that nobody vouches for: `limits`
+says how large they may be, and what is refused raises `SilhouetteError`. A shape does not depend on the rotation,
+position, size or first vertex of its outline (tests/property/test_silhouette_properties.py,
+tests/fuzz/test_readers.py).
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,18 +1,10 @@
-"""Motion of a transform's pieces from P to Q without collision, as few hinges lifting as can be (theory §9)."""
+"""How a transform's pieces swing from P to Q without collision, as few hinges lifting as can be (ours).
 
-from types import ModuleType
-from typing import TYPE_CHECKING
+`plan_motion` returns a `riot.transform.motion.Motion`, which is data. A planned motion is free of collisions at every
+moment, proven by distances and not by samples; the same transform gives the same motion (tests/unit/test_motion.py,
+tests/property/test_motion_collide.py).
+"""
 
-from riot.lazy import offer
+import lazy_loader
 
-if TYPE_CHECKING:
-    from riot.motion.offered import *  # noqa: F403
-
-
-def _offered() -> ModuleType:
-    import riot.motion.offered as module
-
-    return module
-
-
-offer(__name__, _offered)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -13,8 +13,10 @@ import numpy as np
 
 from riot.motion.bodies import Bodies, make_bodies
 from riot.motion.search import Stretch, find
-from riot.parameters.motion import MotionParameters
-from riot.transform.motion import LIFT, SEARCHES, Attempt, Motion
+from riot.parameters.motion import MotionParameters as MotionParameters
+from riot.transform.motion import LIFT, SEARCHES
+from riot.transform.motion import Attempt as Attempt
+from riot.transform.motion import Motion as Motion
 from riot.transform.pose import Chain
 from riot.transform.transform import Transform
 from riot.types import FloatArray, IntArray

@@ -1,21 +1,10 @@
-"""Objects in the round as stacks of thick slices, each a puzzle that becomes another shape (paper Fig. 20). In mm."""
+"""Objects in the round as stacks of thick slices, each a puzzle that becomes another shape (paper Fig. 20). In mm.
 
-from riot.errors import ModelError
-from riot.slices.assign import shortlists
-from riot.slices.cut import Cut, Slice, Stack, cut
-from riot.slices.make import Outcome, Puzzle, make_puzzles
-from riot.slices.model import Model, read_model
+A model is cut into slices, each slice is assigned a shape that it turns into, and each pair is constructed and built
+as any other. Models come from files that nobody vouches for; `ModelError` says what is wrong
+(tests/property/test_slices.py, tests/unit/test_models.py).
+"""
 
-__all__ = [
-    "Cut",
-    "Model",
-    "ModelError",
-    "Outcome",
-    "Puzzle",
-    "Slice",
-    "Stack",
-    "cut",
-    "make_puzzles",
-    "read_model",
-    "shortlists",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

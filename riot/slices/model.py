@@ -12,7 +12,7 @@ from typing import Any
 import manifold3d
 import numpy as np
 
-from riot.errors import ModelError
+from riot.errors import ModelError as ModelError
 from riot.types import FloatArray, IntArray
 
 SUFFIXES = (".stl", ".3mf", ".obj")

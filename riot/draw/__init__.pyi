@@ -1,0 +1,16 @@
+from . import animate as animate
+from . import course as course
+from . import figure as figure
+from . import film as film
+from . import palette as palette
+from . import panels as panels
+from . import plot as plot
+from . import scene as scene
+from . import skin as skin
+from . import strip as strip
+from . import svg as svg
+from . import texture as texture
+from .animate import animate_svg as animate_svg
+from .figure import draw_transform as draw_transform
+from .film import write_film as write_film
+from .strip import draw_strip as draw_strip

@@ -1,0 +1,9 @@
+from . import crossings as crossings
+from . import limits as limits
+from . import machine_errors as machine_errors
+from . import picture as picture
+from . import polyline as polyline
+from . import shape as shape
+from . import silhouette as silhouette
+from . import svg_document as svg_document
+from . import svg_outline as svg_outline

@@ -1,0 +1,2 @@
+from . import pairs as pairs
+from . import tree as tree

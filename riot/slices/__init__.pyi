@@ -1,0 +1,17 @@
+from . import assign as assign
+from . import files as files
+from . import make as make
+from . import model as model
+from . import picture as picture
+from . import render as render
+from .assign import shortlists as shortlists
+from .cut import Cut as Cut
+from .cut import Slice as Slice
+from .cut import Stack as Stack
+from .cut import cut as cut
+from .make import Outcome as Outcome
+from .make import Puzzle as Puzzle
+from .make import make_puzzles as make_puzzles
+from .model import Model as Model
+from .model import ModelError as ModelError
+from .model import read_model as read_model
