@@ -160,7 +160,7 @@ def test_plain_values_are_enough() -> None:
 
 
 def test_commands_of_the_page_on_clusters_are_known() -> None:
-    page = (ROOT / "docs" / "wide.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "howto" / "cluster.md").read_text(encoding="utf-8")
     lines = [line for line in page.splitlines() if line.startswith("python -m pipeline.run ")]
     assert len(lines) == 3
     for line in lines:
