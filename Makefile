@@ -36,10 +36,10 @@ repro: setup
 bench: setup
 	$(BIN)/python benchmarks/run.py
 
-# The user guide: build/site/index.html.
+# The guide: build/site/index.html. Its search needs a server: python -m http.server --directory build/site
 docs: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
-	$(BIN)/python -m mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
 
 clean:
 	rm -rf $(VENV) build *.egg-info

@@ -1,35 +1,61 @@
-"""What the guide shows that is not typed by hand: pictures drawn by the code, columns of the tables, studies."""
+"""What the guide shows that nobody types: pictures, commands, parameters, columns of tables, studies, folders."""
 
 from __future__ import annotations
 
+import ast
+import contextlib
 import dataclasses
 import html
+import io
+import os
+import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from omegaconf import OmegaConf
 
+import pipeline.cli.cache
+import pipeline.cli.main
+import pipeline.datasets.fetch
+import pipeline.tables.measures
 from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS, SWEEP
 from riot import Shape, construct
-from riot.draw.animate import animate_svg
-from riot.draw.strip import draw_strip
+from riot.draw import animate_svg, draw_strip
+
+ROOT = Path(__file__).resolve().parents[1]
+HELP_WIDTH = 80
+
+Main = Callable[[Sequence[str]], int]
+COMMANDS: dict[str, Main] = {
+    "riot": pipeline.cli.main.main,
+    "python -m pipeline.cache": pipeline.cli.cache.main,
+    "python -m pipeline.fetch": pipeline.datasets.fetch.main,
+    "python -m pipeline.tables.measures": pipeline.tables.measures.main,
+}
+"""Commands that print their options for ``--help``, and the function that runs each."""
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the pictures; the pages name them as ``pictures/…``."""
+    """Add the pictures, which pages name as ``pictures/…``, and the page for contributors."""
     for name, text in _pictures():
         files.append(File.generated(config, f"pictures/{name}", content=text))
+    contributing = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").replace("](docs/", "](")
+    files.append(File.generated(config, "contributing.md", content=contributing))
     return files
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put generated tables in the places of ``<!-- tables -->`` and ``<!-- studies -->``."""
-    filled = markdown.replace("<!-- tables -->", "\n".join(_tables()))
-    return filled.replace("<!-- studies -->", "\n".join(_studies()))
+    """Replace each ``<!-- name -->`` of a generated text by the text."""
+    for name, lines in GENERATED.items():
+        marker = f"<!-- {name} -->"
+        if marker in markdown:
+            markdown = markdown.replace(marker, "\n".join(lines()))
+    return markdown
 
 
 def _pictures() -> Iterator[tuple[str, str]]:
@@ -44,9 +70,79 @@ def _pictures() -> Iterator[tuple[str, str]]:
             yield name, path.read_text(encoding="utf-8")
 
 
+def _commands() -> Iterator[str]:
+    for command, main in COMMANDS.items():
+        text = _help(main)
+        yield from (f"## {command}", "")
+        names = re.findall(r"^    (\w+) ", text, flags=re.MULTILINE)
+        if not names:
+            yield from _listing(text, command)
+        for name in names:
+            yield from (f"### {command.rpartition(' ')[2]} {name}", "")
+            yield from _listing(_help(main, name), command)
+    yield from ("## python -m pipeline.run", "", *_docstring("pipeline/run.py"))
+    yield from ("## python -m pipeline.study", "", *_docstring("pipeline/study/__main__.py"))
+
+
+def _help(main: Main, *arguments: str) -> str:
+    """What a command prints for ``--help``, at one width on every machine."""
+    text = io.StringIO()
+    columns = os.environ.get("COLUMNS")
+    os.environ["COLUMNS"] = str(HELP_WIDTH)
+    try:
+        with contextlib.redirect_stdout(text), contextlib.suppress(SystemExit):
+            main([*arguments, "--help"])
+    finally:
+        if columns is None:
+            del os.environ["COLUMNS"]
+        else:
+            os.environ["COLUMNS"] = columns
+    return text.getvalue()
+
+
+def _listing(text: str, command: str) -> Iterator[str]:
+    # argparse may name the program by the process that runs, here mkdocs.
+    yield from ("```text", re.sub(r"^usage: .*?(?=riot|python -m|\[|-)", "usage: ", text.strip(), count=1), "```", "")
+
+
+def _docstring(module: str) -> Iterator[str]:
+    text = ast.get_docstring(ast.parse((ROOT / module).read_text(encoding="utf-8"))) or ""
+    yield from (text.replace("``", "`").removeprefix("Entry point: "), "")
+
+
+def _parameters() -> Iterator[str]:
+    for group in ("", *sorted(path.name for path in (ROOT / "conf").iterdir() if path.is_dir())):
+        yield f"## {group or 'The run'}\n"
+        files = sorted((ROOT / "conf" / group).glob("*.yaml"))
+        for file in files:
+            if group and len(files) > 1:
+                yield f"### {group}={file.stem}\n"
+            yield "| parameter | default | meaning |\n|---|---|---|"
+            for name, meaning in _comments(file.read_text(encoding="utf-8")).items():
+                value = OmegaConf.to_container(OmegaConf.load(file))[name]  # type: ignore[index,call-overload]
+                if not isinstance(value, dict | list) or name == "options":
+                    shown = "null" if value is None else str(value)
+                    yield f"| `{f'{group}.{name}' if group else name}` | {_cell(shown)} | {_cell(meaning)} |"
+            yield ""
+
+
+def _comments(text: str) -> dict[str, str]:
+    """The comment above each key of a YAML file, "" where there is none."""
+    comments: dict[str, str] = {}
+    above: list[str] = []
+    for line in text.splitlines():
+        if line.startswith("#"):
+            above.append(line.lstrip("# "))
+            continue
+        if match := re.match(r"(\w+):", line):
+            comments[match[1]] = " ".join(above)
+        above = []
+    return comments
+
+
 def _tables() -> Iterator[str]:
     for name, schema in {**SCHEMAS, "sweep": SWEEP}.items():
-        yield f"### {name}\n\n{_cell(schema.metadata[b'meaning'].decode())}\n"
+        yield f"## {name}\n\n{_cell(schema.metadata[b'meaning'].decode())}\n"
         yield "| column | type | unit | meaning |\n|---|---|---|---|"
         for field in schema:
             unit, meaning = (field.metadata[key].decode() for key in (b"unit", b"meaning"))
@@ -55,11 +151,28 @@ def _tables() -> Iterator[str]:
 
 
 def _studies() -> Iterator[str]:
+    yield "| study | asks | parameters |\n|---|---|---|"
     for name, study in STUDIES.items():
-        defaults = ", ".join(f"`{one.name}={one.default}`" for one in dataclasses.fields(study.parameters))
+        defaults = ", ".join(f"`{field.name}={field.default}`" for field in dataclasses.fields(study.parameters))
         yield f"| `{name}` | {_cell(study.meaning)} | {defaults or 'none'} |"
+
+
+def _folders() -> Iterator[str]:
+    for face in sorted(path for package in ("riot", "pipeline") for path in (ROOT / package).rglob("__init__.py")):
+        meaning = (ast.get_docstring(ast.parse(face.read_text(encoding="utf-8"))) or "").split("\n\n")[0]
+        yield f"| `{face.parent.relative_to(ROOT)}/` | {_cell(' '.join(meaning.split()).replace('`', ''))} |"
 
 
 def _cell(text: str) -> str:
     """Text as it stands in a cell of a Markdown table."""
     return html.escape(text, quote=False).translate({ord(mark): f"&#{ord(mark)};" for mark in "|*_[`\\"})
+
+
+GENERATED: dict[str, Callable[[], Iterator[str]]] = {
+    "commands": _commands,
+    "parameters": _parameters,
+    "tables": _tables,
+    "studies": _studies,
+    "folders": _folders,
+}
+"""Each text that pages may ask for, by the name in its marker."""

@@ -11,18 +11,23 @@ from html_page import Page
 import pipeline.cli.main
 import pipeline.run
 import pipeline.study.__main__ as study
-from pipeline.config.command_line import check_command, complete
+from pipeline.config.command_line import allowed_names, check_command, complete, group_choices
 from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS
 
 DOCS = ROOT / "docs"
-PAGES = ("index.md", "howto/mine.md", "explanation/scores.md", "howto/tables.md", "tutorial/puzzle.md", "howto/studies.md", "explanation/findings.md", "explanation/limits.md")
+TUTORIAL = ("index.md", "tutorial/two-pictures.md", "tutorial/collection.md", "tutorial/puzzle.md")
+HOW_TO = tuple(
+    f"howto/{name}.md" for name in ("mine", "tables", "match", "shape", "print", "slices", "sweeps", "studies")
+)
+PAGES = (*TUTORIAL, "explanation/scores.md", *HOW_TO)
+"""Pages with blocks to run, each after those before it."""
 COMMANDS = {
     ("riot",): (pipeline.cli.main.main, ()),
     ("python", "-m", "pipeline.run"): (pipeline.run.main, ("cluster=sync",)),  # which writes the same bytes
     ("python", "-m", "pipeline.study"): (study.main, ()),
 }
-"""How a command runs in this process, and what it is told besides."""
+"""How a command runs in this process, and arguments that only the test gives."""
 
 
 def run_line(line):
@@ -34,115 +39,136 @@ def run_line(line):
 
 @pytest.fixture(scope="module")
 def reader(tmp_path_factory):
-    """Runs the blocks of a page, once, after those of the pages before it, and returns the folder where all worked."""
-    place, read = tmp_path_factory.mktemp("reader"), set()
+    """Runs the blocks of a page, after those of the pages before it, each once; returns the folder they work in."""
+    folder, read = tmp_path_factory.mktemp("reader"), set()
 
-    def run_up_to(page):
-        for one in PAGES[: PAGES.index(page) + 1]:
-            if one not in read:
-                read.add(one)
-                with contextlib.chdir(place):
-                    run_blocks(one)
-        return place
+    def read_up_to(page):
+        for earlier in PAGES[: PAGES.index(page) + 1]:
+            if earlier not in read:
+                read.add(earlier)
+                with contextlib.chdir(folder):
+                    run_blocks(earlier)
+        return folder
 
-    return run_up_to
+    return read_up_to
 
 
 def run_blocks(page):
     names = {"__name__": "guide"}
-    for block in blocks(DOCS / page):
-        where = f"{page}:{block.line}"
+    for block in blocks(DOCS / page, "sh", "python"):
         if block.language == "sh":
             for line in block.text.splitlines():
                 run_line(line)
         else:
-            assert block.language == "python", where
-            exec(compile("\n" * block.line + block.text, where, "exec"), names)
+            exec(compile("\n" * block.line + block.text, f"{page}:{block.line}", "exec"), names)
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_every_block_of_the_guide_runs(page, reader):
-    reader(page)
+@pytest.mark.parametrize("page", TUTORIAL)
+def test_every_block_of_the_tutorial_runs(page, reader):
+    folder = reader(page)
+    if page == "tutorial/collection.md":
+        run = folder / "outputs" / "folder"
+        for name in ("gallery/index.html", "report.html", "run.json", "qcrs", *(f"{name}.parquet" for name in SCHEMAS)):
+            assert (run / name.replace("qcrs.parquet", "qcrs")).exists(), name
+        assert list((run / "transforms").glob("*.riot"))
+    if page == "tutorial/puzzle.md":
+        assert list((folder / "puzzle").rglob("*.stl")) and list((folder / "puzzle").rglob("*.3mf"))
+        assert (folder / "puzzle" / "parts.json").is_file()
 
 
-def test_what_the_guide_says_is_written_is_there(reader):
-    place = reader("studies.md")
-    run = place / "outputs" / "folder"
-    for name in ("gallery/index.html", "report.html", "run.json", "qcrs", *(f"{name}.parquet" for name in SCHEMAS)):
-        assert (run / name.replace("qcrs.parquet", "qcrs")).exists(), name
-    assert list((run / "transforms").glob("*.riot"))
-    assert list((place / "puzzle").rglob("*.stl")) and list((place / "puzzle").rglob("*.3mf"))
-    assert (place / "puzzle" / "parts.json").is_file() and (place / "slices" / "set.json").is_file()
-    assert {path.name for path in (run / "study").iterdir()} <= {*STUDIES, "index.html"}
+@pytest.mark.system
+@pytest.mark.parametrize("page", PAGES[len(TUTORIAL) :])
+def test_every_block_of_the_other_pages_runs(page, reader):
+    folder = reader(page)
+    if page == "howto/slices.md":
+        assert (folder / "slices" / "set.json").is_file()
+    if page == "howto/studies.md":
+        written = {path.name for path in (folder / "outputs" / "folder" / "study").iterdir()}
+        assert written == {"distributions", "timing", "index.html"} and written <= {*STUDIES, "index.html"}
 
 
-def test_every_python_block_of_the_readme_runs(reader, tmp_path, monkeypatch):
-    (tmp_path / "outputs").mkdir()
-    (tmp_path / "outputs" / "mpeg7").symlink_to(reader("mine.md") / "outputs" / "folder")  # which has the same tables
-    monkeypatch.chdir(tmp_path)
-    names = {"__name__": "readme"}
-    for block in blocks(ROOT / "README.md", "python"):
-        exec(compile("\n" * block.line + block.text, f"README.md:{block.line}", "exec"), names)
-    assert {"score", "i", "j"} == set(names["qcrs"].columns)
+def test_pages_with_blocks_to_run_are_run_but_for_clusters():
+    runnable = {str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md") if blocks(path, "sh", "python")}
+    assert runnable - {"howto/cluster.md"} == set(PAGES)
 
 
-@pytest.mark.parametrize("path", ["README.md", "docs/howto/cluster.md"])
-def test_runs_that_cannot_be_tried_here_have_known_parameters(path):
-    lines = [line for block in blocks(ROOT / path, "sh") for line in block.text.splitlines()]
-    told = [shlex.split(line, comments=True)[3:] for line in lines if line.startswith("python -m pipeline.run ")]
-    assert len(told) >= 3
-    for arguments in told:
-        if "-m" not in arguments:  # of a sweep, each job is checked by itself
-            check_command(complete(arguments))  # raises for names and values that there are not
+def test_every_page_is_listed_once():
+    listed = re.findall(r": ([\w/-]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert sorted(listed) == sorted(["contributing.md", *(str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md"))])
 
 
-def test_the_pages_are_all_of_the_guide():
-    assert sorted(PAGES) == sorted(str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md") if path.name != "cluster.md")  # needs machines
-    listed = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
-    assert all(f": {name}\n" in listed for name in PAGES)
+@pytest.mark.parametrize("path", ["README.md", *(f"docs/{page}" for page in (*PAGES, "howto/cluster.md"))])
+def test_runs_have_known_parameters(path):
+    lines = [part.strip() for block in blocks(ROOT / path, "sh") for part in re.split(r"\n|&&", block.text)]
+    for line in lines:
+        arguments = shlex.split(line, comments=True)
+        if arguments[:3] == ["python", "-m", "pipeline.run"]:
+            check_command(complete(arguments[3:]))  # raises for names and values that there are not
 
 
-def test_parameters_that_the_guide_names_exist():
-    known = {path.name for path in (ROOT / "conf").iterdir()}
-    text = "\n".join((DOCS / page).read_text(encoding="utf-8") for page in PAGES)
-    named = set(re.findall(r"`(\w+)\.(\w+)[=`]", text))
-    checked = [(group, name) for group, name in named if group in known]
-    assert len(checked) >= 5
-    for group, name in checked:
-        assert any(
-            re.search(rf"^{name}:", file.read_text(), re.MULTILINE) for file in (ROOT / "conf" / group).iterdir()
-        )
+def test_parameters_that_pages_name_exist():
+    known = {*allowed_names(), *group_choices()}
+    groups = {name.partition(".")[0] for name in known}
+    named = {
+        name
+        for path in [ROOT / "README.md", *DOCS.rglob("*.md")]
+        for name in re.findall(r"[`\s(]([a-z]+\.[a-z_]+)[=`]", path.read_text(encoding="utf-8"))
+        if name.partition(".")[0] in groups
+    }
+    assert len(named) >= 10 and named <= known
+
+
+def test_every_folder_that_the_architecture_names_exists():
+    text = (DOCS / "explanation" / "architecture.md").read_text(encoding="utf-8")
+    named = re.findall(r"`((?:riot|pipeline)/[\w/.]*)`", text)
+    assert len(named) > 15
+    assert [name for name in named if not (ROOT / name).exists()] == []
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    pytest.importorskip("mkdocs", reason="mkdocs is not installed (extra docs)")
+    pytest.importorskip("mkdocstrings", reason="mkdocstrings is not installed (extra docs)")
     from mkdocs.commands.build import build
     from mkdocs.config import load_config
 
     folder = tmp_path_factory.mktemp("site")
-    build(load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder)))
+    config = load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder))
+    config.plugins.run_event("startup", command="build", dirty=False)
+    build(config)
     return folder
 
 
+@pytest.mark.system
 def test_the_guide_can_be_built_and_needs_no_network(site):
-    assert {path.name for path in site.glob("*.html")} >= {page.replace(".md", ".html") for page in PAGES}
-    for page in PAGES:
-        text = (site / page).with_suffix(".html").read_text(encoding="utf-8")
-        assert not re.findall(r'<(?:script|link|img)[^>]+(?:src|href)="(?:https?:)?//', text)
+    pages = {str(path.relative_to(DOCS).with_suffix(".html")) for path in DOCS.rglob("*.md")}
+    assert {str(path.relative_to(site)) for path in site.rglob("*.html")} == {*pages, "404.html", "contributing.html"}
+    for path in site.rglob("*.html"):
+        loaded = re.findall(
+            r'<(?:script|img)[^>]+src="(?:https?:)?//|<link[^>]+href="(?:https?:)?//', path.read_text(encoding="utf-8")
+        )
+        assert not loaded, path
     for name in ("strip.svg", "swing.svg", "figure.svg"):
         assert (site / "pictures" / name).read_text(encoding="utf-8").startswith("<svg")
     assert "<animateTransform" in (site / "pictures" / "swing.svg").read_text(encoding="utf-8")
     assert not list(site.rglob("hooks*"))
 
 
-def test_the_built_guide_has_every_column_and_study(site):
-    shown = "".join(Page((site / "tables.html").read_text(encoding="utf-8")).text)
+def shown_in(site, page):
+    return "".join(Page((site / page).read_text(encoding="utf-8")).text)
+
+
+@pytest.mark.system
+def test_the_built_reference_is_complete(site):
+    tables = shown_in(site, "reference/tables.html")
     for name, schema in SCHEMAS.items():
-        assert name in shown
+        assert name in tables
         for field in schema:
-            assert field.name in shown and field.metadata[b"meaning"].decode() in shown, field
-    studies = "".join(Page((site / "studies.html").read_text(encoding="utf-8")).text)
+            assert field.name in tables and field.metadata[b"meaning"].decode() in tables, field
+    parameters = shown_in(site, "reference/parameters.html")
+    assert [name for name in allowed_names() if name not in parameters] == []
+    studies = shown_in(site, "howto/studies.html")
     assert all(name in studies and study.meaning in studies for name, study in STUDIES.items())
-    for page in (shown, studies):
-        assert "<!--" not in page and "\\" not in page
+    commands = shown_in(site, "reference/commands.html")
+    assert all(f"riot {name}" in commands for name in ("make", "trunks", "show", "print", "slices", "match"))
+    for text in (tables, parameters, studies, commands):
+        assert "<!--" not in text

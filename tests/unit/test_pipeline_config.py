@@ -19,7 +19,6 @@ from pipeline.config.command_line import (
 from pipeline.config.schema import ClusterConfig, Config, SelectConfig, make_config
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import ConfigError
-from pipeline.plan.code_digest import ROOT
 
 SAMPLE = {"name": "sample", "kind": "sample"}
 
@@ -157,11 +156,3 @@ def test_plain_values_are_enough() -> None:
         make_config({})
     with pytest.raises(ConfigError, match="group"):
         make_config({"dataset": SAMPLE, "select": 3})
-
-
-def test_commands_of_the_page_on_clusters_are_known() -> None:
-    page = (ROOT / "docs" / "howto" / "cluster.md").read_text(encoding="utf-8")
-    lines = [line for line in page.splitlines() if line.startswith("python -m pipeline.run ")]
-    assert len(lines) == 3
-    for line in lines:
-        check(*line.split()[3:])  # raises for names and values that there are not
