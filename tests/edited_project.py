@@ -14,8 +14,10 @@ from integration.small_runs import draw, pictures
 
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetConfig, collect
-from pipeline.plan import code_digest as closure
+from pipeline.plan import code_digest
+from pipeline.plan.code_digest import Project as Code
 from pipeline.plan.explain import StageForecast, forecast
+from pipeline.plan.module_facts import FactsCache
 from pipeline.plan.plan import (
     WorkItem,
     make_plan,
@@ -27,7 +29,7 @@ from pipeline.plan.plan import (
     plan_select,
     plan_shortlist,
 )
-from pipeline.plan.sources import AT_START, Source
+from pipeline.plan.sources import AT_START, PACKAGES, Source
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
 from pipeline.tables import schemas as tables
@@ -36,6 +38,8 @@ from pipeline.tables.record import ARTIFACTS
 
 PAIRS = [(0, 3), (2, 5), (4, 6)]
 """Pairs that somebody selected: which they are is known only when a run goes on, and an edit may leave them."""
+
+PARSED = FactsCache(PACKAGES)
 
 SHAPES = 8
 TOP = len(PAIRS)
@@ -54,11 +58,11 @@ class Project:
     def begin(cls, root: Path, patch: pytest.MonkeyPatch) -> Project:
         """A project below ``root``, with some pictures if it has none; nothing is edited yet."""
         sources = dict(AT_START)
-        patch.setattr(closure, "AT_START", sources)
         if not (root / "pictures").exists():
             pictures(root / "pictures", range(SHAPES))
         dataset = DatasetConfig("folder", "folder", str(root / "pictures"))
-        return cls(root, Config(dataset, outputs=root / "outputs", store=root / "store", batch=4), sources, patch)
+        config = Config(dataset, outputs=root / "outputs", store=root / "store", batch=4)
+        return cls(root, config, sources, patch).loaded()
 
     @classmethod
     def copy(cls, finished: Project, root: Path, patch: pytest.MonkeyPatch) -> Project:
@@ -80,12 +84,17 @@ class Project:
         text = source.content.decode()
         assert old in text, f"{module} no longer holds {old!r}"
         self.sources[module] = Source(source.path, text.replace(old, new, 1).encode())
+        return self.loaded()
+
+    def loaded(self) -> Project:
+        """Have this process go on as if it had begun with the code as it is edited."""
+        self.patch.setattr(code_digest, "PROJECT", Code(self.sources, PARSED))
         return self
 
     def library(self, name: str) -> Project:
         """Install version 0.0 of a library."""
-        version = closure._version
-        self.patch.setattr(closure, "_version", lambda one: "0.0" if one == name else version(one))
+        version = code_digest.installed_version
+        self.patch.setattr(code_digest, "installed_version", lambda asked: "0.0" if asked == name else version(asked))
         return self
 
     def picture(self, name: str, number: int | None) -> Project:

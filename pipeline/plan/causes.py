@@ -46,9 +46,10 @@ class Causes:
     def _text(self, item: WorkItem) -> str:
         own = self._own(item)
         said = {text for _, text in own}
-        inherited = dict.fromkeys(cause for key in item.parts.inputs for cause in self._of.get(key, ()))
-        inherited = dict.fromkeys(cause for cause in inherited if cause[1] not in said)
-        causes = (*own, *inherited) or self._inputs(item)
+        inherited: dict[str, Cause] = {}  # by what it is: what changed several inputs is told of the first
+        for cause in (cause for key in item.parts.inputs for cause in self._of.get(key, ()) if cause[1] not in said):
+            inherited.setdefault(cause[1], cause)
+        causes = (*own, *inherited.values()) or self._inputs(item)
         self._of[item.key] = causes
         if item.stage == "ingest":
             self._of |= {one.key(): causes for one in item.parts.each_input()}

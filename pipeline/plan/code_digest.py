@@ -1,25 +1,29 @@
 """Code digests: which of our modules a stage runs, what they say, and which libraries they stand on.
 
 A module's digest is taken over its syntax tree without docstrings, comments and layout, so that only a change of
-meaning makes a miss. The closure follows every import inside the project, also those inside functions, but not those
-under ``if TYPE_CHECKING``. A package's ``__init__`` counts only when something is imported from it by name: what it
-re-exports does not change what a submodule computes.
+meaning changes it. The closure follows every import inside the project, also those inside functions, but not those
+under ``if TYPE_CHECKING``.
+
+A package may be a *face*: ``lazy_loader.attach_stub`` offers the names in its ``__init__.pyi``. Of a face the closure
+holds what is used: for ``from riot import scores`` and ``scores.crs.best_trunk_pairs(…)`` that is the module
+``riot.scores.crs``. A face that is used in any other way than by attribute counts with everything that it offers. The
+``__init__`` of a package counts only when something is taken from it that is neither a module nor in its stub.
 
 The project's own modules are taken as they were when this process began (`pipeline.plan.sources`).
 """
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-from pipeline.plan.sources import AT_START, PACKAGES, ROOT, Source, edited, read_sources
+from pipeline.plan.module_facts import FactsCache, ModuleFacts, cache_file
+from pipeline.plan.sources import AT_START, PACKAGES, Source, edited, read_sources
 
 DECLARATIONS = frozenset(
     {"riot.parameters.method", "riot.parameters.motion", "riot.errors", "pipeline.errors", "pipeline.stages.specs"}
@@ -27,180 +31,207 @@ DECLARATIONS = frozenset(
 """Modules that compute nothing: the values of parameters and specs enter a key by themselves, so that a new parameter
 or another default of one stage leaves the other stages' keys alone."""
 
+DISTRIBUTIONS = {"PIL": "pillow", "skimage": "scikit-image", "imageio_ffmpeg": "imageio-ffmpeg"}
+"""Distributions whose name differs from that of the package which they install."""
 
-def code_digests(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> dict[str, str]:
-    """Digest of every project module that ``module`` imports, directly or not, itself included."""
-    sources = _sources(root, packages)
-    names = _closure(module, root, packages, sources)[0]
-    return {name: _facts(name, sources[name]).digest for name in names if name not in DECLARATIONS}
+CODE_GENERATORS = {"numba": "llvmlite"}
+"""Distributions and the one that generates their machine code."""
+
+
+@dataclass(frozen=True)
+class Closure:
+    """All that a module imports, directly or not; every part is sorted.
+
+    ``leads`` tells for each module which names it takes from faces and where they lead: ``riot:qcrs=riot.…``.
+    """
+
+    modules: tuple[str, ...]
+    libraries: tuple[str, ...]
+    leads: Mapping[str, tuple[str, ...]]
+
+    @property
+    def files(self) -> list[str]:
+        """The modules whose files decide what the code does: also the faces, whose stubs do."""
+        faces = {lead.partition(":")[0] for leads in self.leads.values() for lead in leads}
+        return sorted({*self.modules, *faces})
+
+
+class Project:
+    """Packages of modules that import each other, as their files were when they were read."""
+
+    def __init__(self, sources: Mapping[str, Source], cache: FactsCache) -> None:
+        """``cache`` keeps what was parsed; no digest depends on it."""
+        self._sources = dict(sources)
+        self._cache = cache
+        self._facts_of: dict[str, ModuleFacts] = {}
+        self._taken_by: dict[str, _Taken] = {}
+        self._closures: dict[str, Closure] = {}
+
+    @classmethod
+    def read(cls, root: Path, packages: Sequence[str], cache: Path | None = None) -> Project:
+        """The project of these packages below ``root``, as its files are now; ``cache``: a file for what was parsed."""
+        return cls(read_sources(root, packages), FactsCache(packages, cache))
+
+    def closure(self, module: str) -> Closure:
+        """What a module imports. Raises ModuleNotFoundError when it is not in the project."""
+        if module not in self._sources:
+            raise ModuleNotFoundError(f"no module {module} in the project")
+        if module not in self._closures:
+            self._closures[module] = self._follow(module)
+            self._cache.save(content for source in self._sources.values() for content in _contents(source))
+        return self._closures[module]
+
+    def digests(self, module: str) -> dict[str, str]:
+        """The digest of each module that ``module`` imports: of its code, and of where the names of faces lead."""
+        closure = self.closure(module)
+        return {
+            name: _join(self._facts(name).digest, closure.leads[name])
+            for name in closure.modules
+            if name not in DECLARATIONS
+        }
+
+    def _follow(self, start: str) -> Closure:
+        leads: dict[str, tuple[str, ...]] = {}
+        libraries: set[str] = set()
+        pending = [start]
+        while pending:
+            module = pending.pop()
+            if module not in leads:
+                taken = self._taken(module)
+                leads[module] = taken.leads
+                libraries.update(self._facts(module).libraries)
+                pending += taken.modules
+        return Closure(tuple(sorted(leads)), tuple(sorted(libraries)), leads)
+
+    def _facts(self, module: str) -> ModuleFacts:
+        if module not in self._facts_of:
+            self._facts_of[module] = self._cache.facts(self._sources[module].content)
+        return self._facts_of[module]
+
+    def _taken(self, module: str) -> _Taken:
+        if module not in self._taken_by:
+            facts = self._facts(module)
+            names = [(self._absolute(name, module), False) for name in facts.imported]
+            names += [(self._absolute(name, module), True) for name in facts.used]
+            self._taken_by[module] = self._resolve(names)
+        return self._taken_by[module]
+
+    def _resolve(self, names: list[tuple[str, bool]]) -> _Taken:
+        """Follow names to modules. With each name comes whether the code uses it, or only imports it."""
+        modules: set[str] = set()
+        leads: set[str] = set()
+        followed: set[tuple[str, bool]] = set()
+        while names:
+            name, is_used = names.pop()
+            if (name, is_used) in followed:
+                continue
+            followed.add((name, is_used))
+            module, attributes = self._split(name)
+            if module not in self._sources:
+                continue
+            offers = self._offers(module)
+            if attributes and attributes[0] in offers:
+                target = offers[attributes[0]]
+                leads.add(f"{module}:{attributes[0]}={target}")
+                names.append((_below(target, attributes[1:]), is_used))
+                continue
+            if offers and not attributes and not is_used:
+                continue  # to import a face loads nothing
+            modules.add(module)
+            bindings = offers or self._bindings(module, self._facts(module))
+            if attributes == ["*"] or (offers and not attributes):
+                names += [(target, True) for target in bindings.values()]
+            elif attributes and attributes[0] in bindings:  # a name that the module itself imports
+                names.append((_below(bindings[attributes[0]], attributes[1:]), is_used))
+        return _Taken(tuple(sorted(modules)), tuple(sorted(leads)))
+
+    def _split(self, name: str) -> tuple[str, list[str]]:
+        """The module that a name stands in, which may be none of the project's, and its attributes there."""
+        module, _, rest = name.partition(":")
+        attributes = rest.split(".") if rest else []
+        while module not in self._sources and "." in module:
+            module, attributes = module.rpartition(".")[0], []
+        while attributes and attributes[0] not in self._offers(module):
+            if f"{module}.{attributes[0]}" not in self._sources:
+                break
+            module = f"{module}.{attributes.pop(0)}"
+        return module, attributes
+
+    def _offers(self, module: str) -> dict[str, str]:
+        """The names that a face offers, with what they stand for; none for other modules."""
+        source = self._sources.get(module)
+        if source is None or source.stub is None or not self._facts(module).attaches_stub:
+            return {}
+        bindings = self._bindings(module, self._cache.facts(source.stub))
+        # In a stub ``from . import name`` is the module of that name, whatever else the face offers.
+        return {
+            name: f"{module}.{target.removeprefix(f'{module}:')}:" if target.startswith(f"{module}:") else target
+            for name, target in bindings.items()
+        }
+
+    def _bindings(self, module: str, facts: ModuleFacts) -> dict[str, str]:
+        return {local: self._absolute(name, module) for local, name in facts.bindings.items()}
+
+    def _absolute(self, name: str, module: str) -> str:
+        """A name with the full name of its module; ``module`` may write that relative to its package."""
+        path, _, rest = name.partition(":")
+        relative = path.lstrip(".")
+        if relative == path:
+            return name
+        levels = len(path) - len(relative) - (self._sources[module].path.name == "__init__.py")
+        parents = module.split(".")[: -levels or None]
+        return f"{'.'.join([*parents, relative] if relative else parents)}:{rest}"
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """What one module takes from others."""
+
+    modules: tuple[str, ...]
+    leads: tuple[str, ...]
+
+
+PROJECT = Project(AT_START, FactsCache(PACKAGES, cache_file()))
+"""This project, as it was when this process began."""
+
+
+def code_digests(module: str) -> dict[str, str]:
+    """The digest of each module of this project that ``module`` imports, directly or not, itself included."""
+    return PROJECT.digests(module)
 
 
 def edited_since_start(module: str) -> list[str]:
     """Modules that ``module`` imports, directly or not, whose files are no longer what this process began with."""
-    return edited(closure(module)[0], AT_START)
+    return edited(PROJECT.closure(module).files, AT_START)
 
 
-def library_versions(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> dict[str, str]:
-    """Version of every installed distribution that the closure of ``module`` imports."""
-    tops = set(closure(module, root, packages)[1])
-    if "numba" in tops:
-        tops.add("llvmlite")  # numba leaves code generation to it
-    return {
-        name: _version(name)
-        for top in sorted(tops - set(sys.stdlib_module_names))
-        for name in sorted(set(_distributions().get(top, ())))
-    }
-
-
-def closure(module: str, root: Path = ROOT, packages: tuple[str, ...] = PACKAGES) -> tuple[list[str], list[str]]:
-    """Project modules, and top-level names of other packages, that ``module`` imports directly or not (sorted).
-
-    Raises ModuleNotFoundError when ``module`` itself is not in the project.
-    """
-    return _closure(module, root, packages, _sources(root, packages))
-
-
-def module_digest(path: Path) -> str:
-    """Digest of a module's syntax tree; docstrings, comments, layout and the Python version do not count."""
-    return _facts("", Source(path, path.read_bytes())).digest
-
-
-def _sources(root: Path, packages: tuple[str, ...]) -> Mapping[str, Source]:
-    return AT_START if (root, packages) == (ROOT, PACKAGES) else read_sources(root, packages)
-
-
-def _closure(
-    module: str, root: Path, packages: tuple[str, ...], sources: Mapping[str, Source]
-) -> tuple[list[str], list[str]]:
-    if module not in sources:
-        raise ModuleNotFoundError(f"no module {module} below {root}")
-    ours: set[str] = set()
-    others: set[str] = set()
-    pending = [module]
-    while pending:
-        name = pending.pop()
-        if name in ours:
-            continue
-        ours.add(name)
-        for target in _facts(name, sources[name]).imports:
-            top = target.split(".")[0]
-            if top not in packages:
-                others.add(top)
-                continue
-            found = _resolve(target, sources)
-            if found is not None:
-                pending.append(found)
-    return sorted(ours), sorted(others)
-
-
-@dataclass(frozen=True)
-class _Facts:
-    digest: str
-    imports: tuple[str, ...]
+def library_versions(module: str) -> dict[str, str]:
+    """The version of each installed distribution that ``module`` imports, directly or not."""
+    tops = set(PROJECT.closure(module).libraries) - sys.stdlib_module_names
+    names = {DISTRIBUTIONS.get(top, top) for top in tops}
+    names |= {CODE_GENERATORS[name] for name in names & CODE_GENERATORS.keys()}
+    versions = {name: installed_version(name) for name in sorted(names)}
+    return {name: version for name, version in versions.items() if version is not None}
 
 
 @cache
-def _facts(module: str, source: Source) -> _Facts:
-    # Most modules are in the closures of most stages: each version of a file is parsed once.
-    tree = ast.parse(source.content, filename=str(source.path))
-    digest = hashlib.sha256(_text(tree).encode()).hexdigest()
-    return _Facts(digest[:32], tuple(dict.fromkeys(_imports(module, source.path, tree))))
+def installed_version(distribution: str) -> str | None:
+    """The version of a distribution; None when it is not installed."""
+    try:
+        return metadata.version(distribution)
+    except metadata.PackageNotFoundError:
+        return None
 
 
-_MEANINGLESS = frozenset({"type_comment", "kind", "type_ignores", "ctx"})
-"""Fields that say nothing; of the last, what a name is there for, its place tells."""
-_DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+def _join(digest: str, leads: Sequence[str]) -> str:
+    return hashlib.sha256("\0".join([digest, *leads]).encode()).hexdigest()[:32] if leads else digest
 
 
-def _text(tree: ast.Module) -> str:
-    """What a syntax tree says, with no two trees of different meaning saying the same."""
-    # ast.dump is slower, and differs between Python versions (fields come and go): what is absent or empty is left out.
-    said: list[str] = []
-
-    def add(node: ast.AST) -> None:
-        said.append(type(node).__name__)
-        for name in node._fields:
-            if name in _MEANINGLESS:
-                continue
-            value = getattr(node, name, None)
-            if isinstance(value, list):
-                if name == "body" and isinstance(node, _DOCUMENTED):
-                    value = _without_docstring(value)
-                if value:
-                    said.append(f"{name} {len(value)}")
-                    for one in value:
-                        if isinstance(one, ast.AST):
-                            add(one)
-                        else:
-                            said.append(repr(one))
-            elif isinstance(value, ast.AST):
-                said.append(name)
-                add(value)
-            elif value is not None:  # as a constant's value it is meant, but no other constant is without one
-                said.append(f"{name} {value!r}")
-        said.append(")")
-
-    add(tree)
-    return "\0".join(said)  # no name has this character, nor has what repr says
+def _contents(source: Source) -> Iterator[bytes]:
+    yield source.content
+    if source.stub is not None:
+        yield source.stub
 
 
-def _without_docstring(body: list[ast.stmt]) -> list[ast.stmt]:
-    # Every bare string statement is documentation: of the module, class, function, or of the field above it.
-    return [
-        statement
-        for statement in body
-        if not (
-            isinstance(statement, ast.Expr)
-            and isinstance(statement.value, ast.Constant)
-            and isinstance(statement.value.value, str)
-        )
-    ]
-
-
-def _imports(module: str, path: Path, tree: ast.Module) -> Iterator[str]:
-    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
-    for node in _walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                parents = package.split(".")
-                parents = parents[: len(parents) - (node.level - 1)]
-                base = ".".join([*parents, base] if base else parents)
-            yield from (f"{base}.{alias.name}" for alias in node.names)
-
-
-def _walk(node: ast.AST) -> Iterator[ast.AST]:
-    yield node
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.If) and _is_type_checking(child.test):
-            for statement in child.orelse:
-                yield from _walk(statement)
-        elif not isinstance(child, ast.expr):  # most of a tree, and without any import
-            yield from _walk(child)
-
-
-def _is_type_checking(test: ast.expr) -> bool:
-    return (isinstance(test, ast.Name) and test.id == "TYPE_CHECKING") or (
-        isinstance(test, ast.Attribute) and test.attr == "TYPE_CHECKING"
-    )
-
-
-def _resolve(target: str, sources: Mapping[str, Source]) -> str | None:
-    # "riot.scores.trunks.Trunks" is a name in the module riot.scores.trunks, "riot.scores.trunks" a module.
-    while target:
-        if target in sources:
-            return target
-        target = target.rpartition(".")[0]
-    return None
-
-
-@cache
-def _distributions() -> dict[str, list[str]]:
-    return dict(metadata.packages_distributions())
-
-
-@cache
-def _version(distribution: str) -> str:
-    return metadata.version(distribution)
+def _below(name: str, attributes: Sequence[str]) -> str:
+    return ".".join([name, *attributes]).replace(":.", ":")

@@ -171,9 +171,9 @@ def test_a_store_that_cannot_be_written_is_said_before_anything_is_done(
 EDITED = """
 import sys
 from pathlib import Path
-from pipeline.closure import code_digests, library_versions
-from pipeline.stages import code_text, work_of
-from pipeline.work import select
+from pipeline.plan.code_digest import code_digests, library_versions
+from pipeline.stages.registry import code_text, work_of
+from pipeline.stages import select
 module = "pipeline.stages.select"
 before = code_digests(module)
 assert Path(sys.modules[module].__file__).is_relative_to(Path.cwd()), "the copy is what runs"

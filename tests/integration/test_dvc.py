@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.exit_codes import BAD_START
-from pipeline.plan.code_digest import ROOT
+from pipeline.plan.sources import ROOT
 from pipeline.tables.measures import main
 
 CLONED = ("conf", "pipeline", "riot", "dvc.yaml", "params.yaml", ".dvc", ".dvcignore", ".gitignore")

@@ -18,7 +18,7 @@ from small_runs import BAD_START, CLEAN, command, digests, run_here, stages
 
 from pipeline.config.command_line import check_command, complete
 from pipeline.flow import run_pipeline
-from pipeline.plan.code_digest import ROOT
+from pipeline.plan.sources import ROOT
 from pipeline.runtime.events import Event, Note, StageEnded
 
 COUNTING = Path(__file__).resolve().parent / "counting"
@@ -88,7 +88,7 @@ def other_code(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("other")
     for package in ("riot", "pipeline"):
         shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
-    with (folder / "riot" / "trunks.py").open("a") as stream:
+    with (folder / "riot" / "scores" / "trunks.py").open("a") as stream:
         stream.write("\nADDED = 1\n")
     return folder
 
@@ -117,7 +117,7 @@ def test_workers_come_and_go_and_the_bytes_are_the_same(
 
     outcome = run_pipeline(check_command(complete(line)), listen)
     assert outcome.code == CLEAN, told
-    assert any("is refused: other code" in text and "code.riot.trunks" in text for text in told) and not joining
+    assert any("is refused: other code" in text and "code.riot.scores.trunks" in text for text in told) and not joining
     assert digests(where) == digests(finished)
     written = Counter(deployment.puts.read_text().splitlines())
     assert set(written.values()) == {1}  # no finished work item was done again
@@ -136,4 +136,4 @@ def test_a_scheduler_without_workers_that_will_do_is_no_start(
     deployment.wait_for(1)
     refused = run_here(tmp_path / "refused", root, *options)
     assert refused.returncode == BAD_START and "none of its workers will do" in refused.stderr
-    assert "code.riot.trunks" in refused.stderr and not deployment.puts.exists()
+    assert "code.riot.scores.trunks" in refused.stderr and not deployment.puts.exists()

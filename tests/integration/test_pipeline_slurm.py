@@ -19,7 +19,7 @@ from pipeline.config.command_line import check_command, complete
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.flow import run_pipeline
-from pipeline.plan.code_digest import ROOT
+from pipeline.plan.sources import ROOT
 from pipeline.runtime.admission import Admission
 from pipeline.runtime.cluster import open_cluster
 from pipeline.runtime.events import ItemDone, Note

@@ -72,7 +72,7 @@ def test_two_edits_are_both_named(finished: Project) -> None:
     finished.picture("kind2-2.png", 77).edit("pipeline.stages.qcrs", "def run(", "EDITED = 1\n\n\ndef run(")
     found = causes(finished)
     with_both = {text for text in found["qcrs"] if "picture replaced: kind2-2.png" in text}
-    assert with_both and all("code.pipeline.work.qcrs" in text for text in found["qcrs"])
+    assert with_both and all("code.pipeline.stages.qcrs" in text for text in found["qcrs"])
     assert set(found["qcrs"]) != with_both
 
 

@@ -79,7 +79,7 @@ def test_an_accepted_edit_redoes_nothing(project: Project, tmp_path: Path) -> No
     assert {store.state(*item.reference) for item in renewed} == {State.ABSENT}
     found = accept(store, listed)
     assert found == tried and found.accepted == {name: len(keys) for name, keys in listed.items()}
-    assert any("code.riot.polyline" in text for text in found.changes)
+    assert any("code.riot.geometry.polyline" in text for text in found.changes)
     # Every item of the new plan has the very artifact of its own item of the old one.
     for number, item in enumerate(renewed):
         assert store.get(*item.reference).document == {"number": number}

@@ -29,7 +29,7 @@ def test_objections_name_what_differs() -> None:
     assert objection(own, (own, True), Path("store")) == ""
     said = objection(own, (other(versions={"numpy": "1.0"}), True), None)
     assert "versions.numpy '1.0' →" in said and "install" in said
-    assert "code.riot.trunks" in objection(own, (other(code={"riot.scores.trunks": "0" * 32}), True), None)
+    assert "code.riot.scores.trunks" in objection(own, (other(code={"riot.scores.trunks": "0" * 32}), True), None)
     changed = dict.fromkeys(own["code"], "0" * 32)
     assert f"and {len(changed) - NAMED} more" in objection(own, (other(code=changed), True), None)
     assert "store=DIR" in objection(own, (own, False), Path("store"))
