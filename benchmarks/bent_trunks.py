@@ -37,6 +37,7 @@ from riot.geometry.polyline import is_simple
 from riot.kernels.change import placed_arcs
 from riot.kernels.conjugate import conjugated
 from riot.parameters.method import RefineParameters
+from riot.transform.riot_file import load
 from riot.transform.transform import Transform
 from riot.types import FloatArray, IntArray
 
@@ -206,7 +207,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     found = []
     for path in picked:
         try:
-            plan = plan_of(Transform.load(path))
+            plan = plan_of(load(path))
         except RiotError as error:
             print(f"{path.name}: {error}", file=sys.stderr)
             continue

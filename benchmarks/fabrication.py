@@ -38,6 +38,7 @@ from riot.fabricate.export.flat import parts_of, write_flat_files
 from riot.fabricate.export.solids import write_puzzle
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.kernels.warm import warm_all
+from riot.transform.riot_file import load
 from riot.transform.transform import Transform
 
 AGREED = 1e-6
@@ -84,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if chosen.folder is not None and not paths:
         parser.error(f"no .riot files in {chosen.folder}")
     warm_all(lambda text: print(text, file=sys.stderr))
-    given = [(path.stem, Transform.load(path)) for path in paths]
+    given = [(path.stem, load(path)) for path in paths]
     if not given:
         given = [(f"exact pair {n}, {seed}", exact_transform(exact_pair(n, seed))) for n, seed in EXACT]
     given.insert(0, ("Dudeney", exact_transform(dudeney())))

@@ -45,6 +45,9 @@ from riot.parameters.method import ConstructParameters, RefineParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.scores.qcrs import score_block, stack
 from riot.scores.trunks import full_trunks, quick_trunks
+from riot.transform.certificate import certify
+from riot.transform.deformation import measure_deformation
+from riot.transform.riot_file import load
 from riot.transform.transform import Transform
 
 FORMAT = 1
@@ -148,7 +151,7 @@ def _figures(made: Transform | None, ms: float) -> Figures | None:
     if made is None:
         return None
     worse = max(residuals(made), key=lambda residual: residual.total)
-    deformation = made.deformation()
+    deformation = measure_deformation(made)
     return Figures(
         worse.gaps,
         worse.overlaps,
@@ -156,7 +159,7 @@ def _figures(made: Transform | None, ms: float) -> Figures | None:
         deformation.iou,
         max(deformation.hausdorff_p, deformation.hausdorff_q),
         ms,
-        made.certificate().passed,
+        certify(made).passed,
     )
 
 
@@ -166,7 +169,7 @@ def _plans_of_run(paths: Sequence[Path], count: int) -> list[Plan]:
     for path in paths:
         if len(plans) == count:
             break
-        made = Transform.load(path)
+        made = load(path)
         try:
             pair = given_pair(made.p, made.q, made.trunk_p, made.trunk_q, PARAMETERS.snap, REFINEMENT.reach)
             plans.append(plan_pair(pair))

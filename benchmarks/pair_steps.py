@@ -23,6 +23,8 @@ from riot.parameters.method import ConstructParameters, CrsParameters, RefinePar
 from riot.scores.crs import AREA_SLACK, CrossScore, best_trunk_pairs
 from riot.scores.qcrs import BlockScores, TrunkStack, brute_force, score_block, stack
 from riot.scores.trunks import Trunks
+from riot.transform.certificate import certify
+from riot.transform.deformation import measure_deformation
 from riot.transform.transform import Transform
 
 AGREE = 1e-12
@@ -209,8 +211,8 @@ def _construct_row(ready: Sequence[tuple[Pair, list[CrossScore]]], size: Size, c
         points = float(np.mean([sum(len(piece.polygon) for piece in each.pieces) for each in transforms]))
         counts = {"polygon_points": points}
         floor = Floor(1e3 * seconds / len(transforms), counts, f"the two unions of the pieces, {points:.0f} points")
-    iou = [transform.deformation().iou for transform in transforms]
-    certified = all(transform.certificate().passed for transform in transforms)
+    iou = [measure_deformation(transform).iou for transform in transforms]
+    certified = all(certify(transform).passed for transform in transforms)
     return row(
         *("construction", "pair", made.ms),
         failed=len(ready) - len(transforms),
@@ -227,8 +229,8 @@ def _construct_row(ready: Sequence[tuple[Pair, list[CrossScore]]], size: Size, c
 def _construct(item: tuple[Pair, list[CrossScore]]) -> Transform:
     pair, scores = item
     transform = construct_plans(*refine_scored(pair.p, pair.q, scores, RefineParameters()), ConstructParameters())
-    transform.certificate()
-    transform.deformation()
+    certify(transform)
+    measure_deformation(transform)
     return transform
 
 

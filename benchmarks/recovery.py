@@ -30,6 +30,7 @@ from rich.table import Table
 from pipeline.study.hidden import Hidden, hide
 from pipeline.study.partners import Clock, Partners, changed
 from pipeline.study.recovery import QUANTILES, WAYS, Closeness, Figure, Found, Search, figures, quantiles
+from riot.draw.figure import draw_transform
 from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
@@ -77,7 +78,7 @@ def draw_worst(
         for k in numbers:
             made = search.partners.transform(2 * k, 2 * k + 1)
             if isinstance(made, Transform):
-                made.draw(folder / f"{kind}-{close[k].name}.png")
+                draw_transform(made, folder / f"{kind}-{close[k].name}.png")
             _draw_trunks(search.hidden[2 * k : 2 * k + 2], folder / f"{kind}-{close[k].name}-trunks.png")
 
 

@@ -13,7 +13,6 @@ from . import transform as transform
 from . import types as types
 from . import units as units
 from .construction.choose import alternatives as alternatives
-from .construction.choose import construct as construct
 from .construction.pins import Pins as Pins
 from .construction.pins import load_pins as load_pins
 from .errors import ConstructionError as ConstructionError
@@ -21,7 +20,9 @@ from .errors import FormatError as FormatError
 from .errors import RiotError as RiotError
 from .errors import SilhouetteError as SilhouetteError
 from .errors import TrunkError as TrunkError
-from .geometry.shape import Shape as Shape
+from .methods import Shape as Shape
+from .methods import Transform as Transform
+from .methods import construct as construct
 from .scores.crs import CrossScore as CrossScore
 from .scores.crs import crs as crs
 from .scores.qcrs import QuickScore as QuickScore
@@ -30,4 +31,3 @@ from .scores.reversibility import Reversibility as Reversibility
 from .scores.reversibility import reversibility as reversibility
 from .scores.trunks import Trunks as Trunks
 from .scores.trunks import trunks as trunks
-from .transform.transform import Transform as Transform

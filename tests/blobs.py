@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.geometry.shape import Shape
+from riot import Shape
 from riot.groundtruth.pairs import ExactPair
 from riot.parameters.method import ShapeParameters
 from riot.types import FloatArray

@@ -11,8 +11,7 @@ import shapely
 from PIL import Image
 
 from pipeline.datasets.item import Item
-from riot.geometry.shape import Shape
-from riot.transform.transform import Transform
+from riot import Shape, Transform
 
 SIZE = 160
 

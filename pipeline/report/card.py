@@ -12,6 +12,7 @@ from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, i
 from riot.draw.scene import Box, Mark, Part, Scene, around, extent
 from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import definitions, escape, fragment, naming
+from riot.motion.planner import motion_of
 from riot.transform.transform import Transform
 
 PANEL_PENS, CHAIN_PENS, THUMB_PENS = 210.0, 420.0, 96.0
@@ -76,7 +77,7 @@ def card(row: TransformRow, transform: Transform, skins: Skins = PLAIN) -> Card:
         for (_, words), found in zip(VIEWS, marks[side], strict=True)
     )
     # Pieces of an approximate transform overlap already when it is closed: no way to swing them is free.
-    motion = None if row.approximate else transform.motion()
+    motion = None if row.approximate else motion_of(transform)
     chain = tuple(chain_marks(drawn, 0 if motion is None else motion.open_hinge))
     box = around([extent(chain, drawn.pieces)], MARGIN)
     straight = Scene(

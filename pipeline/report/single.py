@@ -10,6 +10,7 @@ from pipeline.report.gallery import INDEX, SCRIPT, STYLE, page_name
 from pipeline.report.markup import document, facts, hidden_definitions, number, section
 from pipeline.report.rows import TransformRow
 from riot.draw.svg import escape
+from riot.motion.planner import motion_of
 from riot.transform.history import History, told
 from riot.transform.transform import Transform
 
@@ -48,7 +49,7 @@ def _motion(row: TransformRow, transform: Transform) -> str:
     if row.approximate:
         said = "No motion is planned for an approximate transform: its pieces overlap already when it is closed."
         return section("motion", "Motion", f"<p>{said}</p>")
-    motion = transform.motion()
+    motion = motion_of(transform)
     told_of = [
         ("the chain", escape(motion.words)),
         ("open hinge", str(motion.open_hinge)),

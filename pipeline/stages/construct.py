@@ -11,7 +11,8 @@ from pipeline.stages.refine import unpack_plans
 from pipeline.store.artifact import Artifact
 from riot.construction.choose import construct_plans
 from riot.errors import ConstructionError, TrunkError
-from riot.transform.certificate import Deformation, change_ratio
+from riot.transform.certificate import certify
+from riot.transform.deformation import Deformation, change_ratio, measure_deformation
 from riot.transform.fidelity import bending_ratio, direction_error
 from riot.transform.riot_file import to_json
 from riot.transform.transform import Transform
@@ -47,7 +48,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Ar
 
 
 def _measured(transform: Transform, method: str) -> Artifact:
-    certificate, deformation = transform.certificate(), transform.deformation()
+    certificate, deformation = certify(transform), measure_deformation(transform)
     sides = {"p": certificate.p, "q": certificate.q}
     numbers = {
         "n": len(transform),

@@ -13,6 +13,7 @@ from riot.construction.given import given_pair
 from riot.construction.laplacian import construct_laplacian
 from riot.construction.laplacian.residual import residuals
 from riot.construction.plan import Plan
+from riot.transform.deformation import measure_deformation
 from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
 
@@ -42,6 +43,6 @@ def same_trunks(transform: Transform, snap: float, reach: float) -> Plan:
 
 def _row(paper: Transform) -> dict[str, Any]:
     worse = max(residuals(paper), key=lambda residual: residual.total)
-    deformation = paper.deformation()
+    deformation = measure_deformation(paper)
     far = max(deformation.hausdorff_p, deformation.hausdorff_q)
     return dict(zip(COLUMNS, (deformation.iou, worse.gaps, worse.overlaps, worse.outside, far), strict=True))

@@ -23,6 +23,7 @@ from riot.parameters.method import (
 from riot.scores.crs import CrossSide, best_of_prepared, prepare
 from riot.scores.qcrs import score_block, stack
 from riot.scores.trunks import Trunks, compared_trunks, full_trunks
+from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
@@ -104,7 +105,7 @@ class Partners:
                 continue
             made = self.transform(i, j)
             if isinstance(made, Transform):
-                ious[j] = min(made.overlap_ratios)
+                ious[j] = min(overlap_ratios(made))
         return ious
 
     def _plan(self, i: int, j: int) -> tuple[float, Callable[[], Transform]]:

@@ -18,7 +18,8 @@ from pipeline.study.partners import Clock, Partners, attempt
 from pipeline.study.statistics import wilson
 from riot.construction.choose import construct
 from riot.errors import RiotError
-from riot.geometry.shape import Shape
+from riot.geometry.silhouette import polygon_shape
+from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
@@ -141,7 +142,7 @@ class Search:
     def closeness(self, number: int) -> Closeness:
         """IoU of one pair from its polygons and from its pictures on the true trunks, and as the search finds it."""
         pair = self.pairs[number]
-        polygons = [Shape.from_polygon(each) for each in (pair.exact.p, pair.exact.q)]
+        polygons = [polygon_shape(each) for each in (pair.exact.p, pair.exact.q)]
         moved = [polygons[0].from_source(pair.exact.trunk_p), polygons[1].from_source(pair.exact.trunk_q)]
         ways: list[Transform | RiotError] = [
             attempt(lambda: construct(polygons[0], polygons[1], trunks=(moved[0], moved[1]))),
@@ -150,7 +151,9 @@ class Search:
         ]
         self.clock.tick("construction on given trunks")
         refusals = tuple("" if isinstance(made, Transform) else str(made) for made in ways)
-        polygon, given, found = (min(made.overlap_ratios) if isinstance(made, Transform) else math.nan for made in ways)
+        polygon, given, found = (
+            min(overlap_ratios(made)) if isinstance(made, Transform) else math.nan for made in ways
+        )
         return Closeness(f"hidden{number:03d}", pair.n, polygon, given, found, refusals)
 
 

@@ -31,6 +31,7 @@ from riot.errors import RiotError, TrunkError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
+from riot.motion.planner import motion_of, with_motion
 from riot.parameters.method import (
     ConstructParameters,
     CrsParameters,
@@ -41,10 +42,12 @@ from riot.parameters.method import (
 from riot.parameters.motion import MotionParameters
 from riot.scores.crs import crs
 from riot.scores.qcrs import qcrs
-from riot.transform.certificate import change_ratio
+from riot.transform.certificate import certify
+from riot.transform.deformation import change_ratio, measure_deformation
 from riot.transform.fidelity import bending_ratio, direction_error
 from riot.transform.history import History, file_digest, made_here, told
 from riot.transform.motion import Motion
+from riot.transform.riot_file import load, save
 from riot.transform.transform import Transform
 
 if TYPE_CHECKING:
@@ -103,8 +106,8 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes | None = None)
         transform = construct(a, b, parameters=parameters, pins=pins)
     else:
         transform = construct_plan(_ranked(alternatives(a, b), wishes.rank), parameters, pins)
-    if transform.certificate().passed:
-        transform = transform.planned()
+    if certify(transform).passed:
+        transform = with_motion(transform)
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
     show(transform)
     skins = _skins(transform, wishes.pictures, {"p": path_a, "q": path_b})
@@ -145,7 +148,7 @@ def _ranked(plans: Sequence[Plan], rank: int) -> Plan:
 
 def show(transform: Transform) -> None:
     """Print the numbers of a transform."""
-    deformation, certificate = transform.deformation(), transform.certificate()
+    deformation, certificate = measure_deformation(transform), certify(transform)
     title = f"{transform.p.name} ⇄ {transform.q.name}, {len(transform)} pieces"
     table = Table("", transform.p.name, transform.q.name, title=title, title_justify="left")
     for words, source, field, form in (
@@ -166,7 +169,7 @@ def show(transform: Transform) -> None:
     print("certificate: passed" if certificate.passed else f"certificate: failed ({certificate.failure})")
     if not certificate.passed:
         return
-    motion = transform.motion()
+    motion = motion_of(transform)
     print(f"motion: {motion.words} ({motion.search}, open at hinge {_hinges(motion)})")
 
 
@@ -188,16 +191,16 @@ def _skins(transform: Transform, pictures: Mapping[Side, Path] | None, masks: Ma
 def _written(transform: Transform, stem: Path, films: Sequence[str], skins: Skins) -> Iterator[Path]:
     """Write the files of a transform, ``stem`` and a suffix each; yields each path when it is written."""
 
-    def save(path: Path) -> None:
+    def swing(path: Path) -> None:
         path.write_text(animate_svg(transform, skins), encoding="utf-8")
 
     kinds: list[tuple[str, Callable[[Path], None]]] = [
-        (".riot", transform.save),
+        (".riot", lambda path: save(transform, path)),
         (".svg", lambda path: draw_transform(transform, path, skins)),
         (".png", lambda path: draw_transform(transform, path, skins)),
         (".strip.svg", lambda path: draw_strip(transform, path, skins)),
         (".strip.png", lambda path: draw_strip(transform, path, skins)),
-        (".swing.svg", save),
+        (".swing.svg", swing),
         *((film, lambda path: write_film(transform, path, skins=skins)) for film in films),
     ]
     for suffix, write in kinds:
@@ -229,7 +232,7 @@ def _trunks(chosen: argparse.Namespace) -> int:
 
 
 def _show(chosen: argparse.Namespace) -> int:
-    transform = Transform.load(chosen.file)
+    transform = load(chosen.file)
     if not chosen.history:
         show(transform)
     elif transform.history is None:

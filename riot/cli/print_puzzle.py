@@ -17,6 +17,7 @@ from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
 from riot.fabricate.model import Design
 from riot.parameters.fabrication import FabricationParameters
+from riot.transform.riot_file import load
 from riot.transform.transform import Transform
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def _print(chosen: argparse.Namespace) -> int:
     from riot.draw.texture.paint import find_textures
     from riot.fabricate.export.paperwork import write_paperwork
 
-    transform = Transform.load(chosen.file)
+    transform = load(chosen.file)
     pictures, masks = (
         {side: path for side in SIDES if (path := getattr(chosen, f"{name}_{side}"))} for name in ("texture", "mask")
     )

@@ -22,6 +22,7 @@ from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
 from riot.parameters.method import ShapeParameters
+from riot.transform.deformation import overlap_ratios
 
 if TYPE_CHECKING:
     from riot.slices.assign import Shortlist
@@ -166,7 +167,7 @@ def _print_table(stack: Stack, outcomes: Sequence[Outcome]) -> None:
         if puzzle is None:
             row += ["–", "", "", "", f"not made: {each.reason}"]
         else:
-            ious = [f"{iou:.3f}" for iou in puzzle.transform.overlap_ratios]
+            ious = [f"{iou:.3f}" for iou in overlap_ratios(puzzle.transform)]
             row += [puzzle.counterpart, str(len(puzzle.transform)), *ious, "; ".join(puzzle.built.changes)]
         table.add_row(*row)
     console.print(table, markup=False)

@@ -17,6 +17,7 @@ from riot.geometry.shape import Shape
 from riot.parameters.method import ConstructParameters, CrsParameters, RefineParameters, TrunkParameters
 from riot.scores.crs import CrossScore, best_trunk_pairs
 from riot.scores.trunks import full_trunks
+from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
 
 
@@ -167,7 +168,7 @@ def construct_plans(
             failures.append(error)
             continue
         made += 1
-        iou = min(transform.overlap_ratios)
+        iou = min(overlap_ratios(transform))
         if iou > best_iou:
             best, best_iou = transform, iou
     if best is None:

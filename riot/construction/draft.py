@@ -18,6 +18,7 @@ from riot.construction.pins import Pins
 from riot.errors import ConstructionError
 from riot.geometry.polyline import edge_lengths, trunk_angles
 from riot.parameters.method import ConstructParameters
+from riot.transform.certificate import certify
 from riot.transform.pose import Placement, rotate
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray
@@ -51,7 +52,7 @@ class Draft:
         if pins:
             return self._pinned(pins)
         made = self._cut(self.lower.paths, self.upper.paths)
-        if made.certificate().passed:
+        if certify(made).passed:
             return made
         for lower, upper in (
             (self.lower.plain_paths, self.upper.paths),
@@ -59,7 +60,7 @@ class Draft:
             (self.lower.plain_paths, self.upper.plain_paths),
         ):
             made = self._cut(lower, upper)
-            if made.certificate().passed:
+            if certify(made).passed:
                 break
         return made
 
@@ -69,10 +70,10 @@ class Draft:
             pinned_paths(self.lower, plan.trunk_p[::-1], pins.p, plan.pair.p.name or "P"),
             pinned_paths(self.upper, plan.trunk_q, pins.q, plan.pair.q.name or "Q"),
         )
-        if not made.certificate().passed:
+        if not certify(made).passed:
             raise ConstructionError(
                 "pins",
-                f"with these pins the pieces do not unfold ({made.certificate().failure}): move them, or pin less",
+                f"with these pins the pieces do not unfold ({certify(made).failure}): move them, or pin less",
             )
         return made
 

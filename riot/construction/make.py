@@ -8,6 +8,7 @@ from riot.construction.pins import Pins
 from riot.construction.plan import Plan
 from riot.errors import ConstructionError
 from riot.parameters.method import ConstructParameters
+from riot.transform.certificate import certify
 from riot.transform.transform import Transform
 
 
@@ -22,7 +23,7 @@ def construct_plan(plan: Plan, parameters: ConstructParameters, pins: Pins | Non
             raise ConstructionError("pins", "the paper's method (laplacian) knows no pins: use method=exact")
         return construct_laplacian(plan, parameters)
     made = draft_plan(plan, parameters).transform(pins)
-    certificate = made.certificate()
+    certificate = certify(made)
     if not certificate.passed:
         reason = "overlap" if certificate.p.simple and certificate.q.simple else "not-simple"
         raise ConstructionError(reason, f"the certificate fails: {certificate.failure}")

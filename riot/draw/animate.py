@@ -21,6 +21,7 @@ from riot.draw.panels import sketch
 from riot.draw.scene import Dot, Scene
 from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import dot, naming, painted, piece_id, place, whole
+from riot.motion.planner import motion_of
 from riot.transform.motion import Motion
 from riot.transform.transform import Transform
 
@@ -57,7 +58,7 @@ def animate_svg(transform: Transform, skins: Skins = PLAIN) -> str:
 
 def swing_of(transform: Transform, prefix: str, skins: Skins = PLAIN) -> Swing:
     """The animation, for pieces defined under ``prefix`` (see `riot.draw.svg.definitions`)."""
-    drawn, motion = sketch(transform), transform.motion()
+    drawn, motion = sketch(transform), motion_of(transform)
     frames = calm(motion)
     there = course(motion, eased(frames))
     # The path between two key frames leaves the frames' own box by the height of an arc of a few degrees.

@@ -11,6 +11,9 @@ from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, i
 from riot.draw.scene import Box, Label, Mark, Scene, extent, moved
 from riot.draw.skin import PLAIN, Skins
 from riot.errors import RiotError
+from riot.motion.planner import motion_of
+from riot.transform.certificate import certify
+from riot.transform.deformation import measure_deformation
 from riot.transform.transform import Transform
 
 STRIP_TIMES = (0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0)
@@ -62,7 +65,7 @@ def write_scene(target: FilePath, make: Callable[[], Scene]) -> None:
 def figure_scene(transform: Transform, skins: Skins = PLAIN) -> Scene:
     """The figure of `draw_transform` before it has a format."""
     drawn = sketch(transform)
-    motion = transform.motion()
+    motion = motion_of(transform)
     names = _short(transform.p.name or "P"), _short(transform.q.name or "Q")
     cells = [_row(drawn, side) for side in ("p", "q")]
     boxes = [extent(marks, drawn.pieces) for row in cells for marks in row]
@@ -105,7 +108,7 @@ def _row(drawn: Transform, side: str) -> list[list[Mark]]:
 
 
 def _numbers(transform: Transform) -> str:
-    deformation, certificate = transform.deformation(), transform.certificate()
+    deformation, certificate = measure_deformation(transform), certify(transform)
     verdict = (
         f"certified, residual {certificate.residual:.0e}"
         if certificate.passed

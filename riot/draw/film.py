@@ -20,6 +20,7 @@ from riot.draw.panels import sketch
 from riot.draw.scene import Box, Dot, Part, Scene, placed
 from riot.draw.skin import PLAIN, Skin, Skins
 from riot.errors import RiotError
+from riot.motion.planner import motion_of
 from riot.transform.pose import rotate
 from riot.transform.transform import Transform
 from riot.types import FloatArray
@@ -102,7 +103,7 @@ def _common_palette(frames: list[Image.Image]) -> Image.Image:
 def _mp4(transform: Transform, target: Path, width: int, skins: Skins) -> None:
     writer = film_writer()
     camera = _Camera(transform, width, 2, skins)  # the codec wants even sides
-    frames = calm(transform.motion())
+    frames = calm(motion_of(transform))
     half = round(0.5 * loop_seconds(frames) * MP4_RATE)
     rest = round(half * REST / (frames + REST))
     times = eased(half - rest)
@@ -134,7 +135,7 @@ class _Camera:
     """Paints poses as pixels, all in one frame."""
 
     def __init__(self, transform: Transform, width: int, even: int, skins: Skins) -> None:
-        self._drawn, self.motion, self._skins = sketch(transform), transform.motion(), skins
+        self._drawn, self.motion, self._skins = sketch(transform), motion_of(transform), skins
         self._box: Box = swept_box(self._drawn, course(self.motion, eased(FRAMES)), margin=0.05)
         x0, y0, x1, y1 = self._box
         self._scale = SMOOTH * width / (x1 - x0)

@@ -12,6 +12,7 @@ from riot.draw.figure import write_scene
 from riot.draw.panels import sketch
 from riot.draw.scene import Label, Mark, Scene, extent, moved
 from riot.draw.skin import PLAIN, Skins
+from riot.motion.planner import motion_of
 from riot.transform.transform import Transform
 
 POSES = 7
@@ -32,7 +33,7 @@ def draw_strip(transform: Transform, path: str | os.PathLike[str], skins: Skins 
 
 def strip_scene(transform: Transform, poses: int = POSES, skins: Skins = PLAIN) -> Scene:
     """``poses`` ≥ 2 poses at even times of `Transform.motion`, all at one scale, and what the motion needs in words."""
-    drawn, motion = sketch(transform), transform.motion()
+    drawn, motion = sketch(transform), motion_of(transform)
     groups = [motion_marks(drawn, motion, float(t)) for t in np.linspace(0.0, 1.0, poses)]
     boxes = [extent(group, drawn.pieces) for group in groups]
     tall = max(y1 - y0 for _, y0, _, y1 in boxes)

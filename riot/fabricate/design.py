@@ -20,9 +20,10 @@ from riot.fabricate.outlines import SPARE, corner, make_outline, mends, narrowes
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
 from riot.geometry.polyline import extent, signed_area
-from riot.motion.planner import plan_motion
+from riot.motion.planner import motion_of, plan_motion
 from riot.parameters.fabrication import FabricationParameters as FabricationParameters
 from riot.parameters.motion import MotionParameters
+from riot.transform.certificate import certify
 from riot.transform.motion import Motion
 from riot.transform.transform import Transform
 from riot.types import FloatArray
@@ -52,7 +53,7 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
     this size, naming the parameter that would mend it.
     """
     parameters = parameters or FabricationParameters()
-    certificate = transform.certificate()
+    certificate = certify(transform)
     if not certificate.passed:
         raise FabricationError(
             "uncertified", f"the transform is not exact ({certificate.failure}): construct it again with riot make"
@@ -83,7 +84,7 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
 def _motion(transform: Transform, parameters: FabricationParameters, scale: float) -> Motion:
     """The transform's plan if the pieces of this design are within the bodies that it was planned for."""
     gap, relief = parameters.gap_mm / scale, parameters.relief_radius / scale
-    motion = transform.motion()
+    motion = motion_of(transform)
     if motion.gap <= gap * ALIKE and motion.relief <= relief * ALIKE:
         return motion
     side = parameters.size_mm / scale

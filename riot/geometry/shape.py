@@ -1,19 +1,17 @@
-"""Shape: one simple closed polygon of unit area, counter-clockwise, centroid at the origin (paper §4, §6)."""
+"""Shape: one simple closed polygon of unit area, counter-clockwise, centroid at the origin (paper §4, §6).
+
+A shape is data; `riot.geometry.silhouette` reads it from pictures, vector files and polygons.
+"""
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from riot.errors import SilhouetteError
 from riot.types import BoolArray, FloatArray
-
-if TYPE_CHECKING:
-    from riot.parameters.method import ShapeParameters
 
 AREA_TOLERANCE = 1e-6
 """By how much a shape's area may differ from 1."""
@@ -89,24 +87,3 @@ class Shape:
     def renamed(self, name: str) -> Shape:
         """The same shape under another name."""
         return replace(self, name=name)
-
-    @classmethod
-    def from_image(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
-        """Read the silhouette in a picture; see `riot.geometry.silhouette.read_image`."""
-        from riot.geometry.silhouette import read_image
-
-        return read_image(path, parameters)
-
-    @classmethod
-    def from_svg(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
-        """Read the outline in a vector file; see `riot.geometry.silhouette.read_svg`."""
-        from riot.geometry.silhouette import read_svg
-
-        return read_svg(path, parameters)
-
-    @classmethod
-    def from_polygon(cls, points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
-        """Make a shape of an (m, 2) polygon in either orientation; see `riot.geometry.silhouette.polygon_shape`."""
-        from riot.geometry.silhouette import polygon_shape
-
-        return polygon_shape(points, name, parameters)

@@ -4,4 +4,6 @@ from . import search as search
 from .planner import Attempt as Attempt
 from .planner import Motion as Motion
 from .planner import MotionParameters as MotionParameters
+from .planner import motion_of as motion_of
 from .planner import plan_motion as plan_motion
+from .planner import with_motion as with_motion

@@ -7,6 +7,7 @@ each stretch has a free way by itself. If a stretch has none, a longer one that 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -17,6 +18,7 @@ from riot.parameters.motion import MotionParameters as MotionParameters
 from riot.transform.motion import LIFT, SEARCHES
 from riot.transform.motion import Attempt as Attempt
 from riot.transform.motion import Motion as Motion
+from riot.transform.once import once_per_transform
 from riot.transform.pose import Chain
 from riot.transform.transform import Transform
 from riot.types import FloatArray, IntArray
@@ -35,6 +37,18 @@ def plan_motion(transform: Transform, parameters: MotionParameters | None = None
     cuts, ways = planner.flat() or planner.lifting()
     return _motion(transform, bodies, cuts, ways, tuple(planner.tried))
 
+
+def motion_of(transform: Transform) -> Motion:
+    """The motion that a transform carries as its ``plan``; without one, that of default parameters, planned once."""
+    return _default_motion(transform) if transform.plan is None else transform.plan
+
+
+def with_motion(transform: Transform) -> Transform:
+    """The transform with its motion as ``plan``, to be saved with it."""
+    return replace(transform, plan=motion_of(transform))
+
+
+_default_motion = once_per_transform(plan_motion)
 
 Way = tuple[int, FloatArray]
 """Which of `SEARCHES` found it, and the path."""

@@ -17,6 +17,7 @@ import shapely
 
 from riot.errors import ModelError
 from riot.geometry.shape import Shape
+from riot.geometry.silhouette import polygon_shape
 from riot.parameters.method import ShapeParameters
 from riot.slices.model import Model
 from riot.types import FloatArray
@@ -139,7 +140,7 @@ class Slice:
 
     def shape(self, name: str, parameters: ShapeParameters | None = None) -> Shape:
         """The outline as a shape, whose ``to_source`` gives mm; raises `riot.errors.SilhouetteError`."""
-        return Shape.from_polygon(shapely.get_coordinates(self.outline.exterior)[:-1], name, parameters)
+        return polygon_shape(shapely.get_coordinates(self.outline.exterior)[:-1], name, parameters)
 
 
 @dataclass(frozen=True, eq=False)

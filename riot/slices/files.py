@@ -15,6 +15,8 @@ from riot.fabricate.export.solids import write_puzzle
 from riot.slices.cut import Stack
 from riot.slices.make import Outcome, Puzzle
 from riot.slices.picture import draw_overview, draw_slices
+from riot.transform.deformation import overlap_ratios
+from riot.transform.riot_file import save
 
 FORMAT, VERSION = "riot-set", 1
 
@@ -65,7 +67,7 @@ def _write_puzzle(
     made = puzzle.built
 
     def transform(where: Path) -> None:
-        puzzle.transform.save(where / "puzzle.riot")
+        save(puzzle.transform, where / "puzzle.riot")
 
     def laser(where: Path) -> None:
         write_flat_files(made.design, where, dxf=False)
@@ -103,7 +105,7 @@ def _entry(each: Outcome) -> dict[str, Any]:
     if puzzle is None:
         return {**entry, "reason": each.reason}
     design, transform = puzzle.built.design, puzzle.transform
-    iou_p, iou_q = transform.overlap_ratios
+    iou_p, iou_q = overlap_ratios(transform)
     return {
         **entry,
         "folder": folder_name(each),

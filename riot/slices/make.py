@@ -18,6 +18,7 @@ from riot.fabricate.certificate import Built, FabricationCertificate, build, fix
 from riot.fabricate.plates import lay_out
 from riot.geometry.polyline import extent
 from riot.geometry.shape import Shape
+from riot.motion.planner import with_motion
 from riot.parameters.fabrication import ALLOWED, FabricationParameters
 from riot.parameters.method import ConstructParameters, ShapeParameters
 from riot.slices.assign import Planned, Shortlist, assign, plan_slice
@@ -169,7 +170,7 @@ def make_puzzle(each: Slice, planned: Planned, parameters: FabricationParameters
 
     Raises `riot.errors.ConstructionError`, or `riot.errors.FabricationError`.
     """
-    transform = construct_plans(planned.plans, planned.unplanned, ConstructParameters()).planned()
+    transform = with_motion(construct_plans(planned.plans, planned.unplanned, ConstructParameters()))
     size = mm_per_unit(transform.p) * max(extent(transform.outline_p()), extent(transform.outline_q()))
     least, greatest = ALLOWED["size_mm"]
     if not least <= size <= greatest:

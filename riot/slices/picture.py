@@ -20,6 +20,7 @@ from riot.fabricate.export.paper import MM_PER_INCH, Page, new_page, png_bytes
 from riot.slices.cut import Slice, Stack
 from riot.slices.make import Outcome, Puzzle
 from riot.slices.render import Body, View, render
+from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
@@ -95,7 +96,7 @@ def slices_scene(outcomes: Sequence[Outcome]) -> Scene:
 
 
 def _words(slice_: Slice, puzzle: Puzzle) -> tuple[str, str, str, str]:
-    iou_p, iou_q = puzzle.transform.overlap_ratios
+    iou_p, iou_q = overlap_ratios(puzzle.transform)
     name = puzzle.counterpart[:_NAME_LENGTH]
     return f"slice {slice_.number}", f"IoU {iou_p:.3f}", f"IoU {iou_q:.3f}", name
 

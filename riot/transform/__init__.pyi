@@ -1,8 +1,10 @@
 from . import certificate as certificate
+from . import deformation as deformation
 from . import fidelity as fidelity
 from . import history as history
 from . import motion as motion
 from . import motion_document as motion_document
+from . import once as once
 from . import pose as pose
 from . import riot_file as riot_file
 from . import transform as transform

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from PIL import Image, ImageDraw
 
 from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.motion import with_motion
 from riot.transform.history import History, Step
 from riot.transform.riot_file import to_json
 
@@ -70,7 +71,7 @@ def transforms() -> list[bytes]:
 
     history = History("riot make", ("a" * 64, "b" * 64), (Step("ingest", {"spacing": 100.0}, "c", ("d",)),), {"a": "1"})
     made = exact_transform(exact_pair(3, 1))
-    return [to_json(one).encode() for one in (made, replace(made.planned(), history=history))]
+    return [to_json(one).encode() for one in (made, replace(with_motion(made), history=history))]
 
 
 def damages(most: int = 6) -> st.SearchStrategy[list[Damage]]:

@@ -11,6 +11,9 @@ import pyarrow.parquet as pq
 from pipeline.tables import schemas as tables
 from riot.geometry.polyline import signed_area
 from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.certificate import certify
+from riot.transform.deformation import measure_deformation
+from riot.transform.riot_file import save
 
 NAMES = (
     ("cat-1", "dog 2"),
@@ -52,7 +55,7 @@ def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40, approxima
     made = transforms() if made is None else made
     rng = np.random.default_rng(7)
     (folder / "transforms").mkdir(parents=True)
-    made = sorted(made, key=lambda one: -one.deformation().iou)
+    made = sorted(made, key=lambda one: -measure_deformation(one).iou)
     rows = [_certified(folder, rank, transform) for rank, transform in enumerate(made, start=1)]
     rows += [
         _certified(folder, rank, transform) | {"status": "approximate", "reason": "method", "message": "not exact"}
@@ -105,9 +108,9 @@ def write(path, schema, rows):
 
 
 def _certified(folder, rank, transform):
-    deformation, certificate = transform.deformation(), transform.certificate()
+    deformation, certificate = measure_deformation(transform), certify(transform)
     file = f"transforms/{rank:04d}.riot"
-    transform.save(folder / file)
+    save(transform, folder / file)
     row = {"status": "certified", "reason": "", "message": "", "file": file, "n": len(transform)}
     row |= {name: getattr(deformation, name) for name in ("iou", "iou_p", "iou_q", "hausdorff_p", "hausdorff_q")}
     row |= {name: getattr(deformation, name) for name in ("mean_distance_p", "mean_distance_q")}

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.transform.riot_file import save
 
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "methods.py"
 
@@ -18,7 +19,7 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 def test_both_methods_are_compared_on_the_trunks_of_a_run(tmp_path: Path) -> None:
     for seed in (1, 2):
-        exact_transform(exact_pair(4, seed)).save(tmp_path / f"{seed}.riot")
+        save(exact_transform(exact_pair(4, seed)), tmp_path / f"{seed}.riot")
     done = run("--transforms", str(tmp_path), "--pairs", "2", "--json", str(tmp_path / "figures.json"))
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "figures.json").read_text(encoding="utf-8"))

@@ -36,7 +36,7 @@ from small_runs import (
 from pipeline.run import main
 from pipeline.store.store import PAYLOAD
 from pipeline.tables.schemas import SCHEMAS
-from riot.transform.transform import Transform
+from riot import Transform
 
 
 def test_tables_are_whole_and_documented(finished: Path) -> None:

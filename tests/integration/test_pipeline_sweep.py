@@ -19,7 +19,7 @@ from pipeline.exit_codes import FAILED
 from pipeline.flow import Outcome
 from pipeline.run import main
 from pipeline.runtime.events import Listener
-from riot.transform.transform import Transform
+from riot import Transform
 
 
 def test_a_sweep_shares_what_its_parameters_do_not_touch(copied: Path, root: Path) -> None:

@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 from small_runs import CLEAN, WITH_ERRORS, command, digests, draw, pictures, run, stages, table
 
-from riot.transform.transform import Transform
+from riot import Transform
 
 POISON = """
 import ctypes, importlib, signal

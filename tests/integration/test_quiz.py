@@ -17,7 +17,7 @@ from pipeline.errors import ConfigError, StartError
 from pipeline.study.findings import write_findings
 from pipeline.study.quiz import QUIZ, Parameters, right_answers, study, with_hindsight
 from pipeline.study.quiz_pairs import Pair
-from riot.geometry.shape import Shape
+from riot import Shape
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.riot_file import to_json
 

@@ -23,6 +23,7 @@ from riot.draw.palette import hue
 from riot.draw.texture.paint import pattern_texture
 from riot.draw.texture.skins import make_skins
 from riot.parameters.method import ConstructParameters
+from riot.transform.deformation import measure_deformation
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +134,7 @@ def test_the_papers_method_stands_beside(run):
     section = ET.fromstring(re.search('<section id="beside">.*?</section>', text, flags=re.DOTALL).group(0))
     rows = [list(row.iter("td")) for row in section.iter("tr")][1:]
     assert len(rows) == fake_run.COMPARED + 1
-    ious = [one.deformation().iou for one in made[: fake_run.COMPARED]]
+    ious = [measure_deformation(one).iou for one in made[: fake_run.COMPARED]]
     for rank, (row, iou) in enumerate(zip(rows, ious, strict=False), start=1):
         assert row[0].find(".//a").get("href") == f"#t{rank}"
         shown = ["".join(cell.itertext()) for cell in row[1:]]

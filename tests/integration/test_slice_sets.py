@@ -13,13 +13,12 @@ import trimesh
 from PIL import Image
 
 from pipeline.datasets import sample
+from riot import Shape, Transform
 from riot.cli.main import main
 from riot.fabricate import FabricationParameters
-from riot.geometry.shape import Shape
 from riot.slices import Cut, Model, ModelError, Outcome, Puzzle, Stack, cut, make_puzzles, shortlists
 from riot.slices.files import set_document, write_set
 from riot.slices.picture import draw_overview, slices_scene
-from riot.transform.transform import Transform
 
 NAMES = ("card-heart", "polygon-square", "card-spade")
 MADE, BAD, SOME_FAILED = 0, 2, 3

@@ -19,7 +19,7 @@ from pipeline.study.hidden import NEAR, Hidden, failed_test, hide, nearest
 from pipeline.study.ordering import orders, reordered
 from pipeline.study.parameters import TIMES, Parameters, study
 from pipeline.study.varied import vary
-from riot.geometry.shape import Shape
+from riot import Shape
 from riot.parameters.method import ReversibilityParameters, TrunkParameters
 from riot.scores.reversibility import reversibility
 from riot.scores.trunks import Trunks, full_trunks

@@ -12,8 +12,8 @@ from blobs import blob, blob_polygon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from riot import Shape
 from riot.geometry.polyline import arc_length, insert_midpoints, signed_area
-from riot.geometry.shape import Shape
 from riot.kernels.congruency import frechet
 from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.segments import inside_shares

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_dissection import plain_distances, signed_distances
 
-from riot import ConstructionError, TrunkError, construct
+from riot import ConstructionError, Shape, Transform, TrunkError, construct
 from riot.construction.conjugate import is_convex, make_conjugate
 from riot.construction.make import construct_plan
 from riot.construction.mesh import mesh_convex
@@ -20,11 +20,9 @@ from riot.construction.partition import label_cells
 from riot.construction.plan import TrunkPair, plan_pair
 from riot.construction.tree import cell_paths, dissection_tree
 from riot.geometry.polyline import edge_lengths
-from riot.geometry.shape import Shape
 from riot.groundtruth.pairs import dudeney, exact_pair
 from riot.parameters.method import ConstructParameters, RefineParameters
 from riot.scores.crs import best_trunk_pairs
-from riot.transform.transform import Transform
 from riot.types import FloatArray
 
 SEEDS = st.integers(0, 10_000)

@@ -15,14 +15,13 @@ from blobs import blob, pair_shapes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot import ConstructionError, construct
+from riot import ConstructionError, Shape, construct
 from riot.construction.detail import ROUNDS, add_detail
 from riot.construction.dissect import dissect
 from riot.construction.draft import Draft, draft_plan
 from riot.construction.match import DetailParameters
 from riot.construction.plan import Plan
 from riot.geometry.polyline import simplify_open
-from riot.geometry.shape import Shape
 from riot.groundtruth.pairs import ExactPair, exact_pair
 from riot.kernels.detail import BENDABLE, collisions, difference, solved
 from riot.kernels.matching import along, at, corresponding, merged, turnings

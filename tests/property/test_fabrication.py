@@ -14,6 +14,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from riot import Transform
 from riot.fabricate import Design, FabricationError, FabricationParameters, PieceDesign, design
 from riot.fabricate import certificate as certificate_module
 from riot.fabricate.certificate import certify, fix
@@ -27,7 +28,6 @@ from riot.geometry.polyline import extent, signed_area
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters.fabrication import ALLOWED
 from riot.transform.motion import LIFT, Motion
-from riot.transform.transform import Transform
 
 PAIRS = ((3, 1), (5, 1), (6, 2))
 

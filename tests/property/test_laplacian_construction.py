@@ -23,6 +23,8 @@ from riot.construction.plan import Plan, TrunkPair, plan_pair
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters.method import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
+from riot.transform.certificate import certify
+from riot.transform.deformation import measure_deformation
 from riot.transform.riot_file import from_json, to_json
 from riot.types import FloatArray
 
@@ -133,7 +135,7 @@ def test_exact_pairs_come_back_as_they_are(n: int, seed: int) -> None:
     trunks = given_pair(p, q, p.from_source(pair.trunk_p), q.from_source(pair.trunk_q), PARAMETERS.snap, 0.0)
     made = construct_laplacian(plan_pair(trunks), PARAMETERS)
     assert max(each.total for each in residuals(made)) < 1e-3
-    assert made.deformation().iou > 0.999
+    assert measure_deformation(made).iou > 0.999
 
 
 def test_residuals_of_an_exact_transform_are_nothing() -> None:
@@ -150,10 +152,10 @@ def test_the_papers_method_lowers_the_areas_and_says_what_is_left() -> None:
         _, course = tile(*side, PARAMETERS)
         assert left.total < 0.25 * course[0].total
         assert left.total == pytest.approx(min(each.total for each in course[1:]), abs=1e-3)
-    certificate = made.certificate()
+    certificate = certify(made)
     assert not certificate.passed
     assert max(certificate.p.hinge, certificate.q.hinge) < 1e-12
-    assert 0.7 < made.deformation().iou < 1.0
+    assert 0.7 < measure_deformation(made).iou < 1.0
 
 
 def test_pieces_end_at_the_hinges_exactly_and_survive_the_file() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from blobs import blob, pair_shapes
 
+from riot import Shape
 from riot.construction.choose import drop_without_contact, refine_best
 from riot.construction.given import given_pair
 from riot.construction.make import construct_plan
@@ -15,7 +16,6 @@ from riot.construction.plan import Plan, TrunkPair, plan_pair
 from riot.construction.refine import refine
 from riot.errors import ConstructionError
 from riot.geometry.polyline import edge_lengths
-from riot.geometry.shape import Shape
 from riot.groundtruth.pairs import exact_pair
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, edge_differences, tangential

@@ -19,15 +19,14 @@ from pipeline.stages.refine import run as refine
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.tables.messages import remarks
 from pipeline.tables.schemas import TRANSFORMS
+from riot import Shape, Transform
 from riot.construction.laplacian import construct_laplacian
 from riot.geometry.polyline import signed_area
-from riot.geometry.shape import Shape
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.parameters.method import ConstructParameters, RefineParameters
 from riot.scores.crs import CrossScore
-from riot.transform.certificate import change_ratio
+from riot.transform.deformation import change_ratio
 from riot.transform.riot_file import from_json, to_json
-from riot.transform.transform import Transform
 
 REACH = RefineParameters().reach
 SAMPLE = {"dataset": {"name": "sample", "kind": "sample"}}

@@ -27,11 +27,12 @@ from pipeline.tables.puzzles import SHARED
 from pipeline.tables.schemas import FABRICATIONS
 from riot.fabricate import FabricationParameters
 from riot.groundtruth.pairs import exact_pair, exact_transform
+from riot.motion import with_motion
 from riot.transform.riot_file import from_json, to_json
 
-PLANNED = Artifact({}, {"riot": to_json(exact_transform(exact_pair(3, 1)).planned())})
+PLANNED = Artifact({}, {"riot": to_json(with_motion(exact_transform(exact_pair(3, 1))))})
 SAMPLE = {"dataset": {"name": "sample", "kind": "sample"}}
-CROWDED = Artifact({}, {"riot": to_json(exact_transform(exact_pair(6, 2)).planned())})
+CROWDED = Artifact({}, {"riot": to_json(with_motion(exact_transform(exact_pair(6, 2))))})
 OWN = set(FABRICATIONS.names) - {*SHARED, "folder"}
 """What a puzzle's artifact says of it."""
 TINY = FabricationParameters(size_mm=30.0, pin_mm=8.0)

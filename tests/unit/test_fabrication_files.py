@@ -18,6 +18,7 @@ from riot.fabricate.export.solids import stl_bytes, write_puzzle
 from riot.fabricate.plates import SPACE_MM, lay_out
 from riot.fabricate.solid import Part, make_parts
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
+from riot.transform.riot_file import save
 
 Made = tuple[Design, tuple[Part, ...], FabricationCertificate]
 
@@ -153,7 +154,7 @@ class TestPrint:
     @pytest.fixture
     def saved(self, tmp_path: Path) -> Path:
         path = tmp_path / "puzzle.riot"
-        exact_transform(dudeney()).save(path)
+        save(exact_transform(dudeney()), path)
         return path
 
     def test_writes_the_files_and_tells_the_certificate(

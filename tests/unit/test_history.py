@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 from PIL import Image, ImageDraw
 
+from riot import Transform
 from riot.cli.main import main
 from riot.errors import FormatError
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.history import History, Step, code_digest, made_here, told
 from riot.transform.riot_file import from_json, to_json
-from riot.transform.transform import Transform
 
 HISTORY = History(
     "riot make",

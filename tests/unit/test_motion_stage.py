@@ -13,7 +13,7 @@ from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.tables.messages import remarks
 from pipeline.tables.schemas import TRANSFORMS
 from riot.groundtruth.pairs import exact_pair, exact_transform
-from riot.motion import MotionParameters
+from riot.motion import MotionParameters, motion_of
 from riot.transform.riot_file import from_json, to_json
 
 MADE = to_json(exact_transform(exact_pair(4, 2)))
@@ -43,7 +43,7 @@ def test_parameters_reach_the_plan_and_are_checked() -> None:
     settings = make_config({"dataset": {"name": "sample", "kind": "sample"}, "motion": {"gap": 0.005}}).motion
     found = run([Artifact({}, {"riot": MADE})], [settings], None)
     tight = run([Artifact({}, {"riot": MADE})], [MotionParameters()], None)
-    gaps = [from_json(one.document["riot"]).motion().gap for one in (found, tight)]
+    gaps = [motion_of(from_json(one.document["riot"])).gap for one in (found, tight)]
     assert gaps[0] == pytest.approx(gaps[1] * 0.005 / MotionParameters().gap)
     for values, words in (
         ({"gap": 0.0}, "motion.gap"),

@@ -16,10 +16,10 @@ from pipeline.stages.paint import run, unpack_skins
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.tables.messages import remarks
 from pipeline.tables.textures import FOLDER, read_skins
+from riot import Transform
 from riot.draw.skin import PLAIN
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.riot_file import to_json
-from riot.transform.transform import Transform
 
 
 @pytest.fixture(scope="module")

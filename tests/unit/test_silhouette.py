@@ -10,9 +10,9 @@ import pytest
 import shapely
 from PIL import Image
 
+from riot import Shape
 from riot.errors import RiotError, SilhouetteError
 from riot.geometry.picture import decode
-from riot.geometry.shape import Shape
 from riot.geometry.silhouette import mask_shape, polygon_shape, read, read_image
 from riot.parameters.method import ShapeParameters
 from riot.types import FloatArray

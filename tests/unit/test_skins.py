@@ -11,6 +11,7 @@ import pytest
 import shapely
 from PIL import Image
 
+from riot import Transform
 from riot.draw import animate_svg, draw_strip, draw_transform, write_film
 from riot.draw.animate import swing_of
 from riot.draw.figure import figure_scene
@@ -23,7 +24,6 @@ from riot.draw.texture.names import SIDES, Side
 from riot.draw.texture.skins import make_skins, painted
 from riot.draw.texture.source import ByteArray
 from riot.groundtruth.pairs import exact_pair, exact_transform
-from riot.transform.transform import Transform
 from riot.types import FloatArray
 
 SPACE = "{http://www.w3.org/2000/svg}"

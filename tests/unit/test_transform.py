@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw
 from riot import FormatError, Transform
 from riot.cli.main import main
 from riot.groundtruth.pairs import exact_pair, exact_transform
-from riot.transform.certificate import boundary_distance, change_ratio, overlap_ratio
+from riot.transform.deformation import boundary_distance, change_ratio, overlap_ratio
 from riot.transform.riot_file import from_json, to_json
 from riot.transform.transform import Piece
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
+from riot import Shape
 from riot.errors import SilhouetteError
-from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.geometry.svg_outline import outline
 from riot.parameters.method import ShapeParameters

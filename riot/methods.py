@@ -1,0 +1,106 @@
+"""The classes that ``riot`` offers: `Shape` and `Transform`, data, with the functions of other packages as methods.
+
+Below, nothing calls these methods: a package calls the functions of the packages beneath it. The methods are declared
+in subclasses for the sake of type checkers, and attached to the classes of the data themselves, so that
+``riot.Transform is riot.transform.transform.Transform`` and every transform has them, whoever made it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar, cast
+
+import numpy.typing as npt
+
+from riot import draw, geometry
+from riot.construction import choose
+from riot.geometry import shape as shape_module
+from riot.motion import planner
+from riot.parameters.method import ShapeParameters
+from riot.transform import certificate, deformation, riot_file
+from riot.transform import transform as transform_module
+from riot.transform.motion import Motion
+
+Class = TypeVar("Class", bound=type)
+Parameters = ParamSpec("Parameters")
+
+
+def _attach_to_base(methods: Class) -> Class:
+    """Give the base of a class what the class declares, and put the base in its place."""
+    base = methods.__base__
+    for name, method in vars(methods).items():
+        if not name.startswith("__"):
+            setattr(base, name, method)
+    return cast(Class, base)
+
+
+@_attach_to_base
+class Shape(shape_module.Shape):
+    """A silhouette as a polygon; see `riot.geometry.shape.Shape`."""
+
+    @classmethod
+    def from_image(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+        """Read the silhouette in a picture; see `riot.geometry.silhouette.read_image`."""
+        return cast(Shape, geometry.silhouette.read_image(path, parameters))
+
+    @classmethod
+    def from_svg(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
+        """Read the outline in a vector file; see `riot.geometry.silhouette.read_svg`."""
+        return cast(Shape, geometry.silhouette.read_svg(path, parameters))
+
+    @classmethod
+    def from_polygon(cls, points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
+        """Make a shape of an (m, 2) polygon in either orientation; see `riot.geometry.silhouette.polygon_shape`.
+
+        >>> Shape.from_polygon([(0, 0), (4, 0), (4, 3)], name="triangle").perimeter  # of unit area
+        4.898979485566356
+        """
+        return cast(Shape, geometry.silhouette.polygon_shape(points, name, parameters))
+
+
+@_attach_to_base
+class Transform(transform_module.Transform):
+    """An exact reversible transform; see `riot.transform.transform.Transform`."""
+
+    def certificate(self) -> certificate.Certificate:
+        """Verify the two assemblies, once; see `riot.transform.certificate.certify`."""
+        return certificate.certify(self)
+
+    @property
+    def overlap_ratios(self) -> tuple[float, float]:
+        """IoU of the assembled P with P, and of the assembled Q with Q."""
+        return deformation.overlap_ratios(self)
+
+    def deformation(self) -> deformation.Deformation:
+        """Compare the two assemblies with the inputs; see `riot.transform.deformation.measure_deformation`."""
+        return deformation.measure_deformation(self)
+
+    def motion(self) -> Motion:
+        """How the pieces swing from P to Q without collision; see `riot.motion.planner.motion_of`."""
+        return planner.motion_of(self)
+
+    def planned(self) -> Transform:
+        """The transform with its motion as ``plan``, to be saved with it."""
+        return cast(Transform, planner.with_motion(self))
+
+    def draw(self, path: str | os.PathLike[str]) -> None:
+        """Draw inputs, trunks, both dissections and the chain; the suffix (svg, png, pdf) chooses the format."""
+        draw.draw_transform(self, path)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a ``.riot`` file: JSON, exact to the last bit; `load` reads it back equal."""
+        riot_file.save(self, path)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Transform:
+        """Read a ``.riot`` file; raises `riot.errors.FormatError` if it is none, or of an unknown version."""
+        return cast(Transform, riot_file.load(path))
+
+
+def _with_methods(function: Callable[Parameters, transform_module.Transform]) -> Callable[Parameters, Transform]:
+    """The function itself, for type checkers one whose transform has the methods."""
+    return cast(Callable[Parameters, Transform], function)
+
+
+construct = _with_methods(choose.construct)

@@ -1,0 +1,87 @@
+"""The deformation of a transform: how far its two assemblies are from the inputs (theory §8)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from riot.transform.once import once_per_transform
+from riot.transform.transform import Transform
+from riot.types import FloatArray
+from riot.units import L_C
+
+LEAST_CHANGE = 1e-4
+"""Bounds of the IoU are no more accurate: changes are not compared with less."""
+
+SAMPLE_STEP = L_C / 400
+"""Outlines are compared at points this far apart."""
+
+
+@dataclass(frozen=True)
+class Deformation:
+    """How far the two assembled shapes are from the inputs; distances in units of ``L_c``."""
+
+    iou_p: float
+    iou_q: float
+    hausdorff_p: float
+    hausdorff_q: float
+    mean_distance_p: float
+    mean_distance_q: float
+
+    @property
+    def iou(self) -> float:
+        """Of the worse shape."""
+        return min(self.iou_p, self.iou_q)
+
+
+@once_per_transform
+def overlap_ratios(transform: Transform) -> tuple[float, float]:
+    """IoU of the assembled P with P, and of the assembled Q with Q."""
+    return (
+        overlap_ratio(transform.outline_p(), transform.p.points),
+        overlap_ratio(transform.outline_q(), transform.q.points),
+    )
+
+
+def measure_deformation(transform: Transform) -> Deformation:
+    """IoU, symmetric Hausdorff and mean boundary distance of both assemblies to the inputs."""
+    far_p, mean_p = boundary_distance(transform.outline_p(), transform.p.points)
+    far_q, mean_q = boundary_distance(transform.outline_q(), transform.q.points)
+    return Deformation(*overlap_ratios(transform), far_p, far_q, mean_p, mean_q)
+
+
+def change_ratio(iou: float, bound: float) -> float:
+    """(1 − IoU) / (1 − bound): how much a shape changes, over the least that its trunks allow (theory §8, ours).
+
+    1 is as good as an exact construction can be. nan where the bound is as near to 1 as its scanlines can tell.
+    """
+    return (1.0 - iou) / (1.0 - bound) if 1.0 - bound > LEAST_CHANGE else math.nan
+
+
+def boundary_distance(outline: FloatArray, reference: FloatArray) -> tuple[float, float]:
+    """(symmetric Hausdorff, symmetric mean distance) of two closed polygons' boundaries, in units of ``L_c``."""
+    there = _distances(outline, reference)
+    back = _distances(reference, outline)
+    far = max(float(there.max()), float(back.max()))
+    return far / L_C, 0.5 * float(there.mean() + back.mean()) / L_C
+
+
+def overlap_ratio(outline: FloatArray, reference: FloatArray) -> float:
+    """IoU of the regions inside two closed polygons; what a crossing outline encloses is made valid first."""
+    regions = [shapely.make_valid(shapely.polygons(points)) for points in (outline, reference)]
+    a, b, union = shapely.area([*regions, shapely.union(*regions)]).tolist()
+    return float((a + b - union) / union)
+
+
+def _distances(outline: FloatArray, reference: FloatArray) -> FloatArray:
+    """From points of one boundary, its vertices among them, to another's."""
+    ring = shapely.LinearRing(outline)
+    count = max(16, int(np.ceil(ring.length / SAMPLE_STEP)))
+    samples = shapely.line_interpolate_point(ring, np.arange(count) / count, normalized=True)
+    target = shapely.LinearRing(reference)
+    shapely.prepare(target)
+    distances: FloatArray = shapely.distance(np.concatenate([samples, shapely.points(outline)]), target)
+    return distances

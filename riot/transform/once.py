@@ -1,0 +1,29 @@
+"""Functions of a transform that are computed once for each transform."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import TypeVar
+from weakref import WeakKeyDictionary
+
+from riot.transform.transform import Transform
+
+Value = TypeVar("Value")
+
+
+def once_per_transform(function: Callable[[Transform], Value]) -> Callable[[Transform], Value]:
+    """Compute ``function`` once for each transform, which counts by identity, and keep the value while that lives.
+
+    A transform is data that nobody changes, so its value stays the same. The value must not refer to the transform,
+    which would otherwise live forever.
+    """
+    values: WeakKeyDictionary[Transform, Value] = WeakKeyDictionary()
+
+    @wraps(function)
+    def once(transform: Transform) -> Value:
+        if transform not in values:
+            values[transform] = function(transform)
+        return values[transform]
+
+    return once
