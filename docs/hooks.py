@@ -6,22 +6,25 @@ import ast
 import contextlib
 import dataclasses
 import html
+import inspect
 import io
+import itertools
 import os
 import re
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
-from omegaconf import OmegaConf
 
 import pipeline.cli.cache
 import pipeline.cli.main
 import pipeline.datasets.fetch
 import pipeline.tables.measures
+from pipeline.config.command_line import group_choices
+from pipeline.config.schema import Config
 from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS, SWEEP
 from riot import Shape, construct
@@ -111,33 +114,40 @@ def _docstring(module: str) -> Iterator[str]:
 
 
 def _parameters() -> Iterator[str]:
-    for group in ("", *sorted(path.name for path in (ROOT / "conf").iterdir() if path.is_dir())):
-        yield f"## {group or 'The run'}\n"
-        files = sorted((ROOT / "conf" / group).glob("*.yaml"))
-        for file in files:
-            if group and len(files) > 1:
-                yield f"### {group}={file.stem}\n"
-            yield "| parameter | default | meaning |\n|---|---|---|"
-            for name, meaning in _comments(file.read_text(encoding="utf-8")).items():
-                value = OmegaConf.to_container(OmegaConf.load(file))[name]  # type: ignore[index,call-overload]
-                if not isinstance(value, dict | list) or name == "options":
-                    shown = "null" if value is None else str(value)
-                    yield f"| `{f'{group}.{name}' if group else name}` | {_cell(shown)} | {_cell(meaning)} |"
-            yield ""
+    kinds = get_type_hints(Config)
+    yield from ("## The run", "", *_parameter_table(Config, "", dict.fromkeys(_groups(kinds))), "")
+    for group in _groups(kinds):
+        yield from (f"## {group}", "", " ".join((inspect.getdoc(kinds[group]) or "").replace("``", "`").split()), "")
+        choices = group_choices()[group]
+        if len(choices) > 1:
+            yield from ("Choices: " + ", ".join(f"`{group}={choice}`" for choice in choices) + ".", "")
+        yield from (*_parameter_table(kinds[group], f"{group}.", {}), "")
 
 
-def _comments(text: str) -> dict[str, str]:
-    """The comment above each key of a YAML file, "" where there is none."""
-    comments: dict[str, str] = {}
-    above: list[str] = []
-    for line in text.splitlines():
-        if line.startswith("#"):
-            above.append(line.lstrip("# "))
-            continue
-        if match := re.match(r"(\w+):", line):
-            comments[match[1]] = " ".join(above)
-        above = []
-    return comments
+def _groups(kinds: dict[str, Any]) -> list[str]:
+    return [name for name, kind in kinds.items() if dataclasses.is_dataclass(kind)]
+
+
+def _parameter_table(kind: Any, prefix: str, without: dict[str, None]) -> Iterator[str]:
+    yield "| parameter | type | default | meaning |\n|---|---|---|---|"
+    meanings = _field_docstrings(kind)
+    for field in dataclasses.fields(kind):
+        if field.name not in without:
+            default = "needed" if field.default is dataclasses.MISSING else field.default
+            cells = (str(field.type), "null" if default is None else str(default), meanings.get(field.name, ""))
+            yield f"| `{prefix}{field.name}` | {' | '.join(_cell(cell) for cell in cells)} |"
+
+
+def _field_docstrings(kind: type) -> dict[str, str]:
+    """The docstring below each field of a dataclass and its bases."""
+    meanings: dict[str, str] = {}
+    for base in reversed(kind.__mro__[:-1]):
+        (definition,) = ast.parse(inspect.getsource(base)).body
+        assert isinstance(definition, ast.ClassDef)
+        for field, below in itertools.pairwise(definition.body):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(below, ast.Expr):
+                meanings[field.target.id] = " ".join(str(ast.literal_eval(below.value)).replace("``", "").split())
+    return meanings
 
 
 def _tables() -> Iterator[str]:
@@ -160,7 +170,8 @@ def _studies() -> Iterator[str]:
 def _folders() -> Iterator[str]:
     for face in sorted(path for package in ("riot", "pipeline") for path in (ROOT / package).rglob("__init__.py")):
         meaning = (ast.get_docstring(ast.parse(face.read_text(encoding="utf-8"))) or "").split("\n\n")[0]
-        yield f"| `{face.parent.relative_to(ROOT)}/` | {_cell(' '.join(meaning.split()).replace('`', ''))} |"
+        if meaning:
+            yield f"| `{face.parent.relative_to(ROOT)}/` | {_cell(' '.join(meaning.split()).replace('`', ''))} |"
 
 
 def _cell(text: str) -> str:
