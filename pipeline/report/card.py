@@ -9,8 +9,8 @@ from pipeline.report.markup import degrees, facts, number, small
 from pipeline.report.rows import TransformRow
 from riot.draw.animate import swing_of
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
-from riot.draw.scene import Box, Mark, Part, Scene, around, extent
-from riot.draw.skin import PLAIN, Skins
+from riot.draw.piece_image import NO_IMAGES, PieceImages
+from riot.draw.scene import Box, Mark, PlacedPiece, Scene, around, extent
 from riot.draw.svg import definitions, escape, fragment, naming
 from riot.motion.planner import motion_of
 from riot.transform.transform import Transform
@@ -53,7 +53,7 @@ class Card:
         )
 
 
-def card(row: TransformRow, transform: Transform, skins: Skins = PLAIN) -> Card:
+def card(row: TransformRow, transform: Transform, skins: PieceImages = NO_IMAGES) -> Card:
     """The card of a row of `transforms` and its ``.riot`` file, with the skins of its pieces."""
     drawn = sketch(transform)
     prefix = naming(drawn.pieces, skins)
@@ -94,7 +94,7 @@ def card(row: TransformRow, transform: Transform, skins: Skins = PLAIN) -> Card:
     return Card(row, definitions(drawn.pieces, prefix, skins), _names(row), worth, content, thumb)
 
 
-def _moves(transform: Transform, prefix: str, words: str, skins: Skins) -> str:
+def _moves(transform: Transform, prefix: str, words: str, skins: PieceImages) -> str:
     swing = swing_of(transform, prefix, skins)
     picture = fragment(swing.scene, prefix, swing.body, "swing")
     return f"<figure>{picture}<figcaption>the chain {escape(words)}</figcaption></figure>"
@@ -113,10 +113,10 @@ def _figure(scene: Scene, prefix: str, caption: str, kind: str = "") -> str:
     return f"<figure>{fragment(scene, prefix, kind=kind)}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _thumb(row: TransformRow, drawn: Transform, prefix: str, frames: dict[str, Box], skins: Skins) -> str:
+def _thumb(row: TransformRow, drawn: Transform, prefix: str, frames: dict[str, Box], skins: PieceImages) -> str:
     halves = []
     for side, name in (("p", row.name_p), ("q", row.name_q)):
-        parts = tuple(mark for mark in dissection_marks(drawn, side) if isinstance(mark, Part))
+        parts = tuple(mark for mark in dissection_marks(drawn, side) if isinstance(mark, PlacedPiece))
         scene = Scene(name, frames[side], _pen(frames[side], THUMB_PENS), (), parts, skins)
         halves.append(fragment(scene, prefix))
     said = f"{row.rank}: {row.name_p} and {row.name_q}, IoU {number(row.iou)}"

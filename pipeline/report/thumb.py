@@ -6,8 +6,8 @@ import math
 
 from riot.draw.palette import DARK, LIGHT, PIECES, hue
 from riot.draw.panels import dissection_marks, sketch
-from riot.draw.scene import Part, Scene, extent, moved
-from riot.draw.skin import PLAIN, Skins
+from riot.draw.piece_image import NO_IMAGES, PieceImages
+from riot.draw.scene import PlacedPiece, Scene, extent, moved
 from riot.draw.svg import UNITS, definitions, naming, painted
 from riot.transform.transform import Transform
 
@@ -20,13 +20,13 @@ TOLERANCE = 4e-3
 _MARGIN = 0.03
 
 
-def thumb(transform: Transform, skins: Skins = PLAIN) -> str:
+def thumb(transform: Transform, skins: PieceImages = NO_IMAGES) -> str:
     """The two dissections side by side at one scale, as a whole SVG file.
 
     Pieces are in their colours, or show their skins; the same transform gives the same text.
     """
     drawn = sketch(transform, TOLERANCE)
-    halves = [[mark for mark in dissection_marks(drawn, side) if isinstance(mark, Part)] for side in "pq"]
+    halves = [[mark for mark in dissection_marks(drawn, side) if isinstance(mark, PlacedPiece)] for side in "pq"]
     boxes = [extent(parts, drawn.pieces) for parts in halves]
     half = max(max((x1 - x0) / 2, (y1 - y0) / 2) for x0, y0, x1, y1 in boxes) + _MARGIN
     marks = tuple(

@@ -19,7 +19,7 @@ from pipeline.store.store import write_atomically
 from pipeline.tables.outputs import new_place, replace_folder
 from pipeline.tables.record import GALLERY
 from pipeline.tables.textures import read_skins
-from riot.draw.skin import Skins
+from riot.draw.piece_image import PieceImages
 from riot.errors import FormatError
 from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
@@ -34,7 +34,7 @@ Lost = tuple[TransformRow, str]
 class _Drawn:
     row: TransformRow
     transform: Transform
-    skins: Skins
+    skins: PieceImages
 
 
 def write_report(run_dir: Path) -> Path:

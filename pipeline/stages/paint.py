@@ -11,9 +11,9 @@ import numpy as np
 from pipeline.stages.items import ErrorRow, attempt
 from pipeline.stages.textures import Pictures, read_textures
 from pipeline.store.artifact import AnyArray, Artifact
-from riot.draw.skin import Skin, Skins
+from riot.draw.piece_image import PieceImage, PieceImages
 from riot.draw.texture.names import SIDES
-from riot.draw.texture.skins import make_skins
+from riot.draw.texture.sample import piece_images
 from riot.transform.riot_file import from_json
 
 
@@ -29,15 +29,15 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures) -
 
     def painted() -> Artifact:
         textures, refused = read_textures(transform, spec)
-        skins = make_skins(transform, textures)
+        skins = piece_images(transform, textures)
         return Artifact(pack_skins(skins), {"sides": sorted(skins), "refused": [asdict(each) for each in refused]})
 
     made = attempt(0, painted, errors)
     return Artifact({}, {"errors": errors}) if made is None else made
 
 
-def pack_skins(skins: Skins) -> dict[str, AnyArray]:
-    """Skins as arrays: of side s and piece i ``s-i`` (rows, columns, 3) uint8 and ``s-i-box`` (4,) float64."""
+def pack_skins(skins: PieceImages) -> dict[str, AnyArray]:
+    """PieceImages as arrays: of side s and piece i ``s-i`` (rows, columns, 3) uint8 and ``s-i-box`` (4,) float64."""
     arrays: dict[str, AnyArray] = {}
     for side, some in skins.items():
         for i, skin in enumerate(some):
@@ -45,11 +45,11 @@ def pack_skins(skins: Skins) -> dict[str, AnyArray]:
     return arrays
 
 
-def unpack_skins(arrays: Mapping[str, AnyArray], pieces: int) -> Skins:
+def unpack_skins(arrays: Mapping[str, AnyArray], pieces: int) -> PieceImages:
     """What `pack_skins` packed, of a transform of so many pieces."""
     return {
         side: tuple(
-            Skin(np.array(arrays[f"{side}-{i}"]), _box(arrays[f"{side}-{i}-box"].tolist())) for i in range(pieces)
+            PieceImage(np.array(arrays[f"{side}-{i}"]), _box(arrays[f"{side}-{i}-box"].tolist())) for i in range(pieces)
         )
         for side in SIDES
         if f"{side}-0" in arrays

@@ -17,7 +17,7 @@ from pipeline.study.finished import Finished
 from pipeline.study.quiz_pairs import Pair
 from pipeline.study.quiz_style import SCRIPT_TEXT, quiz_style
 from riot.draw.panels import DETAIL
-from riot.draw.scene import Path, Scene
+from riot.draw.scene import Region, Scene
 from riot.draw.svg import escape, fragment
 from riot.geometry.polyline import simplify
 from riot.transform.transform import Transform
@@ -89,7 +89,7 @@ def _question(finished: Finished, place: int, pair: Pair) -> str:
 
 def _silhouette(points: FloatArray, title: str, half: float) -> Scene:
     drawn = points[simplify(points, DETAIL)]
-    return Scene(title, (-half, -half, half, half), half / 60.0, (), (Path(drawn, "silhouette"),))
+    return Scene(title, (-half, -half, half, half), half / 60.0, (), (Region((drawn,), "silhouette"),))
 
 
 def _kind(finished: Finished, shape: int) -> str:

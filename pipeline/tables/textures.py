@@ -10,7 +10,7 @@ from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.store.store import write_atomically
 from pipeline.tables.outputs import new_place, replace_folder
 from pipeline.tables.results import Results, Row
-from riot.draw.skin import PLAIN, Skins
+from riot.draw.piece_image import NO_IMAGES, PieceImages
 
 FOLDER, SUFFIX = "skins", ".skins"
 
@@ -36,7 +36,7 @@ def write_skins(results: Results, transforms: Sequence[Row], folder: Path) -> li
     return files
 
 
-def read_skins(folder: Path, transform_file: str, pieces: int) -> Skins:
+def read_skins(folder: Path, transform_file: str, pieces: int) -> PieceImages:
     """The skins of a transform of so many pieces in a run's folder; plain ones if there is no whole file of them."""
     try:
         arrays = decode((folder / FOLDER / (Path(transform_file).stem + SUFFIX)).read_bytes()).arrays
@@ -44,4 +44,4 @@ def read_skins(folder: Path, transform_file: str, pieces: int) -> Skins:
 
         return unpack_skins(arrays, pieces)
     except (OSError, PayloadError, KeyError):
-        return PLAIN
+        return NO_IMAGES

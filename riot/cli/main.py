@@ -24,7 +24,7 @@ from riot.construction.plan import Plan
 from riot.draw.animate import animate_svg
 from riot.draw.figure import draw_transform
 from riot.draw.film import film_writer, write_film
-from riot.draw.skin import PLAIN, Skins
+from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.strip import draw_strip
 from riot.draw.texture.names import SIDES, Side
 from riot.errors import RiotError, TrunkError
@@ -110,8 +110,8 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes | None = None)
         transform = with_motion(transform)
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
     show(transform)
-    skins = _skins(transform, wishes.pictures, {"p": path_a, "q": path_b})
-    for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films, skins):
+    images = _piece_images(transform, wishes.pictures, {"p": path_a, "q": path_b})
+    for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films, images):
         print(path)
 
 
@@ -178,30 +178,32 @@ def _hinges(motion: Motion) -> str:
     return said if motion.flat else f"{said}, lifting at {', '.join(map(str, motion.lifted))}"
 
 
-def _skins(transform: Transform, pictures: Mapping[Side, Path] | None, masks: Mapping[Side, Path]) -> Skins:
+def _piece_images(
+    transform: Transform, pictures: Mapping[Side, Path] | None, masks: Mapping[Side, Path]
+) -> PieceImages:
     if not pictures:
-        return PLAIN
+        return NO_IMAGES
     # Here, not above: what paints takes long to import.
     from riot.draw.texture.paint import find_textures
-    from riot.draw.texture.skins import make_skins
+    from riot.draw.texture.sample import piece_images
 
-    return make_skins(transform, find_textures(transform, pictures, masks))
+    return piece_images(transform, find_textures(transform, pictures, masks))
 
 
-def _written(transform: Transform, stem: Path, films: Sequence[str], skins: Skins) -> Iterator[Path]:
+def _written(transform: Transform, stem: Path, films: Sequence[str], images: PieceImages) -> Iterator[Path]:
     """Write the files of a transform, ``stem`` and a suffix each; yields each path when it is written."""
 
     def swing(path: Path) -> None:
-        path.write_text(animate_svg(transform, skins), encoding="utf-8")
+        path.write_text(animate_svg(transform, images), encoding="utf-8")
 
     kinds: list[tuple[str, Callable[[Path], None]]] = [
         (".riot", lambda path: save(transform, path)),
-        (".svg", lambda path: draw_transform(transform, path, skins)),
-        (".png", lambda path: draw_transform(transform, path, skins)),
-        (".strip.svg", lambda path: draw_strip(transform, path, skins)),
-        (".strip.png", lambda path: draw_strip(transform, path, skins)),
+        (".svg", lambda path: draw_transform(transform, path, images)),
+        (".png", lambda path: draw_transform(transform, path, images)),
+        (".strip.svg", lambda path: draw_strip(transform, path, images)),
+        (".strip.png", lambda path: draw_strip(transform, path, images)),
         (".swing.svg", swing),
-        *((film, lambda path: write_film(transform, path, skins=skins)) for film in films),
+        *((film, lambda path: write_film(transform, path, images=images)) for film in films),
     ]
     for suffix, write in kinds:
         path = stem.with_name(f"{stem.name}{suffix}")

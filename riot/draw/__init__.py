@@ -1,7 +1,8 @@
-"""Pictures of a transform: one figure or a strip of its motion (SVG, PNG, PDF), animated SVG, film.
+"""Pictures of a transform: a figure, a strip of its motion, an animated SVG, a film, textures on the pieces.
 
-The same transform gives the same bytes. Pictures change no result: nothing below imports this package, so that no
-score is computed again when a colour changes (tests/unit/test_draw.py, tests/unit/test_layers.py).
+Every picture is a `riot.draw.scene.Scene`: SVG, PNG and PDF show the same, and the same transform gives the same bytes.
+Pictures change no result: nothing below imports this package, so that no score is computed again when a colour changes
+(tests/unit/test_draw.py, test_motion_pictures.py, test_piece_images.py, test_layers.py).
 """
 
 import lazy_loader

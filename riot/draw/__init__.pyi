@@ -1,12 +1,14 @@
 from . import animate as animate
-from . import course as course
 from . import figure as figure
+from . import files as files
 from . import film as film
+from . import keyframes as keyframes
 from . import palette as palette
 from . import panels as panels
-from . import plot as plot
+from . import pdf as pdf
+from . import piece_image as piece_image
+from . import raster as raster
 from . import scene as scene
-from . import skin as skin
 from . import strip as strip
 from . import svg as svg
 from . import texture as texture

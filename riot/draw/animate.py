@@ -5,21 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from riot.draw.course import (
+from riot.draw.keyframes import (
     REST,
-    Course,
-    calm,
-    course,
+    Keyframes,
     eased,
+    frame_count,
     hinge_dot,
+    keyframes,
     loop_seconds,
     motion_marks,
-    stacking,
+    painting_order,
     swept_box,
 )
 from riot.draw.panels import sketch
+from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Dot, Scene
-from riot.draw.skin import PLAIN, Skins
 from riot.draw.svg import dot, naming, painted, piece_id, place, whole
 from riot.motion.planner import motion_of
 from riot.transform.motion import Motion
@@ -44,36 +44,36 @@ class Swing:
     body: str
 
 
-def animate_svg(transform: Transform, skins: Skins = PLAIN) -> str:
+def animate_svg(transform: Transform, images: PieceImages = NO_IMAGES) -> str:
     """The motion from P to Q and back, as a whole animated SVG file of deterministic text.
 
     It is `Transform.motion`, planned now if it was not: no two pieces of a plane meet. Every piece has key frames of
     translation and rotation, eased at both ends; hinges are dots, larger where they lift, the ends of the open hinge
-    rings. With ``skins`` the pieces show their front.
+    rings. With ``images`` the pieces show their front.
     """
-    prefix = naming(sketch(transform).pieces, skins)
-    swing = swing_of(transform, prefix, skins)
+    prefix = naming(sketch(transform).pieces, images)
+    swing = swing_of(transform, prefix, images)
     return whole(swing.scene, swing.body, prefix, style=MOTION_STYLE)
 
 
-def swing_of(transform: Transform, prefix: str, skins: Skins = PLAIN) -> Swing:
+def swing_of(transform: Transform, prefix: str, images: PieceImages = NO_IMAGES) -> Swing:
     """The animation, for pieces defined under ``prefix`` (see `riot.draw.svg.definitions`)."""
     drawn, motion = sketch(transform), motion_of(transform)
-    frames = calm(motion)
-    there = course(motion, eased(frames))
+    frames = frame_count(motion)
+    there = keyframes(motion, eased(frames))
     # The path between two key frames leaves the frames' own box by the height of an arc of a few degrees.
     box = swept_box(drawn, there, margin=0.05)
     pen = (box[2] - box[0]) / _PENS_ACROSS
     names = transform.p.name or "P", transform.q.name or "Q"
     title = f"{len(drawn)} hinged pieces swing from {names[0]} to {names[1]} and back: the chain {motion.words}"
-    scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL)), skins)
-    uses = [f'<use href="#{piece_id(prefix, i, skins=skins)}"/>' for i in range(len(drawn))]
-    moving = "".join(_piece(drawn, i, there, uses[i], pen, motion) for i in stacking(motion))
+    scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL)), images)
+    uses = [f'<use href="#{piece_id(prefix, i, images=images)}"/>' for i in range(len(drawn))]
+    moving = "".join(_piece(drawn, i, there, uses[i], pen, motion) for i in painting_order(motion))
     body = f'<g class="r-move">{moving}</g><g class="r-still">{painted(scene, prefix)}</g>'
     return Swing(scene, body)
 
 
-def _piece(drawn: Transform, i: int, there: Course, use: str, pen: float, motion: Motion) -> str:
+def _piece(drawn: Transform, i: int, there: Keyframes, use: str, pen: float, motion: Motion) -> str:
     moves = _loop([place(x, y) for x, y in there.origins[:, i].tolist()])
     turns = _loop([_degrees(heading) for heading in there.headings[:, i].tolist()])
     seconds = loop_seconds(len(there.headings) - 1)

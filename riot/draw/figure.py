@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from pathlib import Path as FilePath
+from pathlib import Path
 
-from riot.draw.course import motion_marks
+from riot.draw.files import write_scene
+from riot.draw.keyframes import motion_marks
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
+from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Box, Label, Mark, Scene, extent, moved
-from riot.draw.skin import PLAIN, Skins
-from riot.errors import RiotError
 from riot.motion.planner import motion_of
 from riot.transform.certificate import certify
 from riot.transform.deformation import measure_deformation
@@ -19,9 +18,6 @@ from riot.transform.transform import Transform
 STRIP_TIMES = (0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0)
 """The poses of the strip."""
 
-FORMATS = ("svg", "png", "pdf")
-"""Suffixes that `draw_transform` knows."""
-
 _PENS_ACROSS = 960.0
 """Width of the figure in pens."""
 
@@ -29,40 +25,27 @@ _NAME_LENGTH = 28
 """Longer names would run into each other."""
 
 
-class PictureFormatError(RiotError, ValueError):
-    """A file name whose suffix is no picture format that can be written."""
-
-
-def draw_transform(transform: Transform, path: str | os.PathLike[str], skins: Skins = PLAIN) -> None:
+def draw_transform(transform: Transform, path: str | os.PathLike[str], images: PieceImages = NO_IMAGES) -> None:
     """Write one figure of the transform; the suffix (svg, png, pdf) chooses the format.
 
-    With ``skins`` the dissections of P and Q show their own, and chain and swing the front of the pieces, which is P's.
-    The same transform gives the same bytes. Raises `PictureFormatError` (a ValueError) for another suffix, and OSError
-    if the file cannot be written. Ours.
+    With ``images`` the dissections of P and Q show their own side of the pieces; chain and swing show the front, P's.
+    The same transform gives the same bytes. Raises `riot.draw.files.PictureFormatError` (a ValueError) for another
+    suffix, and OSError if the file cannot be written. Ours.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> with TemporaryDirectory() as folder:
+    ...     draw_transform(exact_transform(dudeney()), Path(folder) / "dudeney.svg")
+    ...     (Path(folder) / "dudeney.svg").read_text()[:4]
+    '<svg'
     """
-    write_scene(FilePath(path), lambda: figure_scene(transform, skins))
+    write_scene(Path(path), lambda: figure_scene(transform, images))
 
 
-def write_scene(target: FilePath, make: Callable[[], Scene]) -> None:
-    """Write the scene that ``make`` returns, in the format of the suffix; errors as `draw_transform`."""
-    kind = target.suffix.lower().lstrip(".")
-    if kind not in FORMATS:
-        raise PictureFormatError(
-            f"cannot draw {target.name!r}: the suffix {target.suffix!r} is no picture format known here; "
-            f"use one of {', '.join('.' + name for name in FORMATS)}"
-        )
-    scene = make()
-    if kind == "svg":
-        from riot.draw.svg import document
-
-        target.write_text(document(scene), encoding="utf-8", newline="\n")
-    else:
-        from riot.draw import plot
-
-        target.write_bytes(plot.png(scene) if kind == "png" else plot.pdf(scene))
-
-
-def figure_scene(transform: Transform, skins: Skins = PLAIN) -> Scene:
+def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene:
     """The figure of `draw_transform` before it has a format."""
     drawn = sketch(transform)
     motion = motion_of(transform)
@@ -96,7 +79,7 @@ def figure_scene(transform: Transform, skins: Skins = PLAIN) -> Scene:
     top = _fitted(marks, poses, drawn, top, width - 2 * gap, gap)
     marks.append(Label(width / 2, top - 0.9 * line, f"the chain, open at one hinge, {motion.words}", "note"))
     title = f"Reversible transform of {names[0]} into {names[1]}, {len(drawn)} hinged pieces"
-    return Scene(title, (0.0, top - 2 * line, width, 0.0), pen, drawn.pieces, tuple(marks), skins)
+    return Scene(title, (0.0, top - 2 * line, width, 0.0), pen, drawn.pieces, tuple(marks), images)
 
 
 def _short(name: str) -> str:

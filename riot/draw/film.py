@@ -7,29 +7,29 @@ import io
 import os
 import uuid
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image, ImageDraw
+import numpy.typing as npt
+from PIL import Image, ImageColor
 
-from riot.draw.course import FRAMES, REST, calm, course, eased, loop_seconds, motion_marks, swept_box
-from riot.draw.figure import PictureFormatError
-from riot.draw.palette import LIGHT, PENS, colour, hue
+from riot.draw.files import PictureFormatError
+from riot.draw.keyframes import FRAMES, REST, eased, frame_count, keyframes, loop_seconds, motion_marks, swept_box
+from riot.draw.palette import LIGHT
 from riot.draw.panels import sketch
-from riot.draw.scene import Box, Dot, Part, Scene, placed
-from riot.draw.skin import PLAIN, Skin, Skins
+from riot.draw.piece_image import NO_IMAGES, PieceImages
+from riot.draw.raster import pixels_of_png, png_of_svg
+from riot.draw.scene import Scene
+from riot.draw.svg import CLOSING, naming, opening, painted
 from riot.errors import RiotError
 from riot.motion.planner import motion_of
-from riot.transform.pose import rotate
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
 WIDTH = 640
 """Pixels across."""
-
-SMOOTH = 3
-"""Every pixel is the mean of so many squared: edges without stairs."""
 
 MP4_RATE = 30
 """Frames a second of an MP4; a GIF has as many as the animated SVG has key frames."""
@@ -46,19 +46,31 @@ class FilmError(RiotError, ModuleNotFoundError):
     """An MP4 was asked for where imageio-ffmpeg is not installed."""
 
 
-def write_film(transform: Transform, path: str | os.PathLike[str], width: int = WIDTH, skins: Skins = PLAIN) -> None:
+def write_film(
+    transform: Transform, path: str | os.PathLike[str], width: int = WIDTH, images: PieceImages = NO_IMAGES
+) -> None:
     """Write the motion from P to Q and back, a loop with pauses; the suffix (gif, mp4) chooses the format.
 
-    ``width`` is in pixels; with ``skins`` the pieces show their front. Raises `riot.draw.figure.PictureFormatError` (a
+    ``width`` is in pixels; with ``images`` the pieces show their front. Raises `riot.draw.files.PictureFormatError` (a
     ValueError) for another suffix, `FilmError` if an MP4 cannot be written here, and OSError if the file cannot be
-    written.
+    written. Ours.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> with TemporaryDirectory() as folder:
+    ...     write_film(exact_transform(dudeney()), Path(folder) / "dudeney.gif", width=64)
+    ...     (Path(folder) / "dudeney.gif").read_bytes()[:6]
+    b'GIF89a'
     """
     target = Path(path)
     kind = target.suffix.lower()
     if kind == ".gif":
-        target.write_bytes(_gif(_Camera(transform, width, 1, skins)))
+        target.write_bytes(_gif(_Camera(transform, width, 1, images)))
     elif kind == ".mp4":
-        _mp4(transform, target, width, skins)
+        _mp4(target, film_writer(), _Camera(transform, width - width % 2, 2, images))  # the codec wants even sides
     else:
         raise PictureFormatError(f"cannot film {target.name!r}: use a file name that ends in .gif or .mp4")
 
@@ -75,8 +87,8 @@ def film_writer() -> Any:
 
 
 def _gif(camera: _Camera) -> bytes:
-    frames = calm(camera.motion)
-    there = [Image.fromarray(camera.picture(float(t))) for t in eased(frames)]
+    frames = frame_count(camera.motion)
+    there = [Image.fromarray(pixels_of_png(camera.picture(float(t)))) for t in eased(frames)]
     palette = _common_palette(there)
     there = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in there]
     step = 10 * round(50.0 * loop_seconds(frames) / (frames + REST))  # milliseconds; a GIF counts hundredths
@@ -97,13 +109,17 @@ def _common_palette(frames: list[Image.Image]) -> Image.Image:
     sheet = Image.new("RGB", (chosen[0].width, chosen[0].height * len(chosen)))
     for k, frame in enumerate(chosen):
         sheet.paste(frame, (0, k * frame.height))
-    return sheet.quantize(COLOURS, dither=Image.Dither.NONE)
+    palette = sheet.quantize(COLOURS, dither=Image.Dither.NONE)
+    # Paper is paper, which the mean of nearly white pixels is not; Pillow looks colours up in cells of eight.
+    colours = np.array(palette.getpalette()).reshape(-1, 3)
+    differences = np.abs(colours - ImageColor.getrgb(LIGHT["paper"])).max(axis=1)
+    colours[differences < max(8, int(differences.min()) + 1)] = ImageColor.getrgb(LIGHT["paper"])
+    palette.putpalette(colours.ravel().tolist())
+    return palette
 
 
-def _mp4(transform: Transform, target: Path, width: int, skins: Skins) -> None:
-    writer = film_writer()
-    camera = _Camera(transform, width, 2, skins)  # the codec wants even sides
-    frames = calm(motion_of(transform))
+def _mp4(target: Path, writer: Any, camera: _Camera) -> None:
+    frames = frame_count(camera.motion)
     half = round(0.5 * loop_seconds(frames) * MP4_RATE)
     rest = round(half * REST / (frames + REST))
     times = eased(half - rest)
@@ -124,71 +140,28 @@ def _mp4(transform: Transform, target: Path, width: int, skins: Skins) -> None:
         temporary.unlink(missing_ok=True)
 
 
-def _loop(camera: _Camera, times: FloatArray, rest: int) -> Iterator[tuple[Any, int]]:
+def _loop(camera: _Camera, times: FloatArray, rest: int) -> Iterator[tuple[npt.NDArray[np.uint8], int]]:
     """Pictures of one loop, and how often each is shown."""
-    there = [float(t) for t in times]
-    for k, t in enumerate([*there, *there[-2:0:-1]]):
-        yield camera.picture(t), 1 + (rest if k in (0, len(there) - 1) else 0)
+    there = [camera.picture(float(t)) for t in times]
+    for k, picture in enumerate([*there, *there[-2:0:-1]]):
+        yield pixels_of_png(picture), 1 + (rest if k in (0, len(there) - 1) else 0)
 
 
 class _Camera:
-    """Paints poses as pixels, all in one frame."""
+    """Takes pictures of the motion, all in one frame whose height in pixels is a multiple of ``multiple``."""
 
-    def __init__(self, transform: Transform, width: int, even: int, skins: Skins) -> None:
-        self._drawn, self.motion, self._skins = sketch(transform), motion_of(transform), skins
-        self._box: Box = swept_box(self._drawn, course(self.motion, eased(FRAMES)), margin=0.05)
-        x0, y0, x1, y1 = self._box
-        self._scale = SMOOTH * width / (x1 - x0)
-        high = round(width * (y1 - y0) / (x1 - x0))
-        self.size = width - width % even, high + high % even
+    def __init__(self, transform: Transform, width: int, multiple: int, images: PieceImages) -> None:
+        drawn, self.motion = sketch(transform), motion_of(transform)
+        x0, y0, x1, y1 = swept_box(drawn, keyframes(self.motion, eased(FRAMES)), margin=0.05)
+        pixel = (x1 - x0) / width
+        height = multiple * round((y1 - y0) / pixel / multiple)
+        box = (x0, y1 - height * pixel, x1, y1)
+        self.size = width, height
+        self._drawn, self._prefix = drawn, naming(drawn.pieces, images)
+        self._scene = Scene("", box, (x1 - x0) / _PENS_ACROSS, drawn.pieces, (), images)
+        self._opening = opening(self._scene, self._prefix, width)
 
-    def picture(self, t: float) -> Any:
-        """(height, width, 3) uint8 at time t."""
-        marks = tuple(motion_marks(self._drawn, self.motion, t))
-        scene = Scene("", self._box, 0.0, self._drawn.pieces, marks, self._skins)
-        image = Image.new("RGB", (self.size[0] * SMOOTH, self.size[1] * SMOOTH), LIGHT["paper"])
-        painter = ImageDraw.Draw(image)
-        pen = self.size[0] * SMOOTH / _PENS_ACROSS
-        for mark in scene.marks:
-            if isinstance(mark, Part):
-                look, skin = f"piece{hue(mark.piece, len(scene.pieces))}", scene.skin(mark)
-                outline = self._pixels(placed(mark, scene.pieces[mark.piece].polygon))
-                if skin is None:
-                    painter.polygon(outline, fill=colour(look, LIGHT))
-                else:
-                    self._paste(image, mark, skin, outline)
-                rim = PENS["cut" if skin else look]
-                width = max(1, round(rim.width * pen))
-                painter.line([*outline, outline[0]], fill=colour(rim.stroke or "paper", LIGHT), width=width)
-            elif isinstance(mark, Dot):
-                ((x, y),) = self._pixels(np.array([[mark.x, mark.y]]))
-                radius, look_of = mark.radius * pen, PENS[mark.pen]
-                painter.ellipse(
-                    (x - radius, y - radius, x + radius, y + radius),
-                    fill=colour(look_of.fill or "paper", LIGHT),
-                    outline=colour(look_of.stroke or "ink", LIGHT),
-                    width=max(1, round(look_of.width * pen)),
-                )
-        return np.asarray(image.reduce(SMOOTH))
-
-    def _paste(self, image: Image.Image, part: Part, skin: Skin, outline: list[tuple[float, float]]) -> None:
-        """Paint a piece's skin into its outline, in pixels of the image."""
-        low = np.floor(np.min(outline, axis=0)).astype(int)
-        size = tuple((np.ceil(np.max(outline, axis=0)).astype(int) - low + 1).tolist())
-        # Where the image's corner and the ends of its first pixels lie in the skin, which is all of an affine map.
-        x0, _, _, y1 = self._box
-        corners = (low + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])) / self._scale * [1.0, -1.0] + [x0, y1]
-        own = rotate(corners - [part.x, part.y], -part.heading) / part.scale
-        left, bottom, right, top = skin.box
-        rows, columns = skin.pixels.shape[:2]
-        at = (own - [left, top]) * [columns / (right - left), -rows / (top - bottom)]
-        across, along = at[1] - at[0], at[2] - at[0]
-        numbers = (across[0], along[0], at[0, 0], across[1], along[1], at[0, 1])
-        seen = Image.fromarray(skin.pixels).transform(size, Image.Transform.AFFINE, numbers, Image.Resampling.BILINEAR)
-        mask = Image.new("L", size)
-        ImageDraw.Draw(mask).polygon([(x - low[0], y - low[1]) for x, y in outline], fill=255)
-        image.paste(seen, tuple(low.tolist()), mask)
-
-    def _pixels(self, points: FloatArray) -> list[tuple[float, float]]:
-        x0, _, _, y1 = self._box
-        return [((x - x0) * self._scale, (y1 - y) * self._scale) for x, y in points.tolist()]
+    def picture(self, t: float) -> bytes:
+        """The PNG file of time t: all pixels of an MP4 would be too many to keep."""
+        scene = replace(self._scene, marks=tuple(motion_marks(self._drawn, self.motion, t)))
+        return png_of_svg(f"{self._opening}{painted(scene, self._prefix)}{CLOSING}", self.size[0])

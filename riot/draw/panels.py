@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from riot.draw.palette import hue
-from riot.draw.scene import Dot, Mark, Part, Path
+from riot.draw.scene import Dot, Line, Mark, PlacedPiece, Region
 from riot.geometry.polyline import simplify, simplify_open
 from riot.transform.pose import Pose, direction
 from riot.transform.transform import Piece, Transform
@@ -33,8 +33,8 @@ def input_marks(transform: Transform, side: str) -> list[Mark]:
     outline, trunk = _input(transform, side)
     n = len(transform)
     edges = [np.array([trunk[j], trunk[(j + 1) % n]]) for j in range(n)]
-    marks: list[Mark] = [Path(outline, "silhouette"), Path(trunk, "casing")]
-    marks += [Path(edge, f"edge{hue(j, n)}", closed=False) for j, edge in enumerate(edges)]
+    marks: list[Mark] = [Region((outline,), "silhouette"), Region((trunk,), "casing")]
+    marks += [Line(edge, f"edge{hue(j, n)}") for j, edge in enumerate(edges)]
     marks += [Dot(float(x), float(y), "hinge") for x, y in trunk]
     return marks
 
@@ -43,7 +43,7 @@ def deformation_marks(transform: Transform, side: str) -> list[Mark]:
     """The outline that the pieces make, over the input; side "p" or "q"."""
     outline, _ = _input(transform, side)
     made = transform.outline_p() if side == "p" else transform.outline_q()
-    return [Path(outline, "silhouette"), Path(made, "outline")]
+    return [Region((outline,), "silhouette"), Region((made,), "outline")]
 
 
 def dissection_marks(transform: Transform, side: str) -> list[Mark]:
@@ -54,11 +54,11 @@ def dissection_marks(transform: Transform, side: str) -> list[Mark]:
 def pose_marks(transform: Transform, pose: Pose, open_hinge: int, closed: bool = False, side: str = "p") -> list[Mark]:
     """The pieces in a pose, hinges on top; the open hinge, if it is open, as rings at its two ends.
 
-    ``side`` is the side of the pieces that shows, if they have skins.
+    ``side`` is the side of the pieces that shows, if they have images.
     """
     n = len(transform)
     marks: list[Mark] = [
-        Part(i, float(pose.origins[i, 0]), float(pose.origins[i, 1]), float(pose.headings[i]), side=side)
+        PlacedPiece(i, float(pose.origins[i, 0]), float(pose.origins[i, 1]), float(pose.headings[i]), side=side)
         for i in range(n)
     ]
     for i in range(n):

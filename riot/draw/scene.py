@@ -1,4 +1,4 @@
-"""A picture before it has a format: a few kinds of marks in the plane, y upwards, which any writer can paint."""
+"""A picture before it has a format: a few kinds of marks in the plane, y upwards, which SVG, PNG and PDF all show."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import numpy.typing as npt
 
-from riot.draw.skin import PLAIN, Skin, Skins
+from riot.draw.piece_image import NO_IMAGES, PieceImage, PieceImages
 from riot.transform.pose import rotate
 from riot.transform.transform import Piece
 from riot.types import FloatArray
@@ -17,19 +18,26 @@ Box = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
-    """(k, 2) points joined by straight lines; a closed path can be filled."""
+class Region:
+    """Polygons with holes: (k, 2) rings, outer ones counter-clockwise and holes clockwise."""
+
+    rings: tuple[FloatArray, ...]
+    pen: str
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """(k, 2) points joined by straight lines."""
 
     points: FloatArray
     pen: str
-    closed: bool = True
 
 
 @dataclass(frozen=True)
-class Part:
+class PlacedPiece:
     """Piece ``piece`` of the scene, its frame turned by ``heading`` (radians), scaled, and moved to (x, y).
 
-    ``side`` says which of its skins shows, if the scene has skins of that side: the front, "p", or "q".
+    ``side`` says which of its images shows, if the scene has images of that side: the front, "p", or "q".
     """
 
     piece: int
@@ -63,7 +71,19 @@ class Label:
     weight: str = "normal"
 
 
-Mark = Path | Part | Dot | Label
+@dataclass(frozen=True, eq=False)
+class Bitmap:
+    """A picture, (rows, columns, 3) uint8, first row on top, that fills a box; only what is in ``clip`` shows.
+
+    ``clip`` has rings as `Region`; None shows all.
+    """
+
+    pixels: npt.NDArray[np.uint8]
+    box: Box
+    clip: tuple[FloatArray, ...] | None = None
+
+
+Mark = Region | Line | PlacedPiece | Dot | Label | Bitmap
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +99,18 @@ class Scene:
     pen : float
         Width of one pen (about a pixel) in the units of the scene.
     pieces : tuple of Piece
-        What the `Part` marks place: drawn once, used often, so that a piece looks the same wherever it lies.
+        What the `PlacedPiece` marks place: drawn once, used often, so that a piece looks the same wherever it lies.
     marks : tuple of Mark
-    skins : Skins
-        What the pieces look like; of sides without skins every piece has its colour.
+    images : PieceImages
+        What the pieces look like; of sides without images every piece has its colour.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> triangle = Region((np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]]),), "silhouette")
+    >>> scene = Scene("a triangle", (0.0, 0.0, 2.0, 1.0), 0.01, (), (triangle,))
+    >>> extent(moved(scene.marks, 1.0, 0.0, 2.0), scene.pieces)
+    (1.0, 0.0, 5.0, 2.0)
     """
 
     title: str
@@ -90,42 +118,55 @@ class Scene:
     pen: float
     pieces: tuple[Piece, ...]
     marks: tuple[Mark, ...]
-    skins: Skins = field(default_factory=lambda: PLAIN)
+    images: PieceImages = field(default_factory=lambda: NO_IMAGES)
 
-    def skin(self, part: Part) -> Skin | None:
-        """What is seen of a part; None for its colour."""
-        return self.skins[part.side][part.piece] if part.side in self.skins else None
+    def image_of(self, placed_piece: PlacedPiece) -> PieceImage | None:
+        """What is seen of a piece; None for its colour."""
+        side, piece = placed_piece.side, placed_piece.piece
+        return self.images[side][piece] if side in self.images else None
 
 
 def moved(marks: Iterable[Mark], x: float, y: float, scale: float = 1.0) -> list[Mark]:
     """The marks scaled about the origin and then shifted by (x, y); labels keep their size, dots at least half."""
-    found: list[Mark] = []
+    shift = np.array([x, y])
+    result: list[Mark] = []
     for mark in marks:
-        if isinstance(mark, Path):
-            found.append(replace(mark, points=mark.points * scale + np.array([x, y])))
-        elif isinstance(mark, Part):
-            found.append(replace(mark, x=mark.x * scale + x, y=mark.y * scale + y, scale=mark.scale * scale))
+        if isinstance(mark, Region):
+            result.append(replace(mark, rings=tuple(ring * scale + shift for ring in mark.rings)))
+        elif isinstance(mark, Line):
+            result.append(replace(mark, points=mark.points * scale + shift))
+        elif isinstance(mark, Bitmap):
+            x0, y0, x1, y1 = mark.box
+            box = (x0 * scale + x, y0 * scale + y, x1 * scale + x, y1 * scale + y)
+            clip = None if mark.clip is None else tuple(ring * scale + shift for ring in mark.clip)
+            result.append(replace(mark, box=box, clip=clip))
+        elif isinstance(mark, PlacedPiece):
+            result.append(replace(mark, x=mark.x * scale + x, y=mark.y * scale + y, scale=mark.scale * scale))
         elif isinstance(mark, Dot):
             radius = mark.radius * max(0.5, min(1.0, scale))
-            found.append(replace(mark, x=mark.x * scale + x, y=mark.y * scale + y, radius=radius))
+            result.append(replace(mark, x=mark.x * scale + x, y=mark.y * scale + y, radius=radius))
         else:
-            found.append(replace(mark, x=mark.x * scale + x, y=mark.y * scale + y))
-    return found
+            result.append(replace(mark, x=mark.x * scale + x, y=mark.y * scale + y))
+    return result
 
 
-def placed(part: Part, points: FloatArray) -> FloatArray:
-    """(k, 2) points of a piece's frame where the part lies in the scene."""
-    found: FloatArray = rotate(points * part.scale, part.heading) + np.array([part.x, part.y])
-    return found
+def placed(piece: PlacedPiece, points: FloatArray) -> FloatArray:
+    """(k, 2) points of a piece's frame where the piece lies in the scene."""
+    in_scene: FloatArray = rotate(points * piece.scale, piece.heading) + np.array([piece.x, piece.y])
+    return in_scene
 
 
 def extent(marks: Iterable[Mark], pieces: tuple[Piece, ...]) -> Box:
-    """The smallest box around all paths, parts and the centres of dots; labels do not count."""
-    clouds = []
+    """The smallest box around all marks; of dots the centres count, labels do not."""
+    clouds: list[FloatArray] = []
     for mark in marks:
-        if isinstance(mark, Path):
+        if isinstance(mark, Region):
+            clouds += mark.rings
+        elif isinstance(mark, Line):
             clouds.append(mark.points)
-        elif isinstance(mark, Part):
+        elif isinstance(mark, Bitmap):
+            clouds.append(np.array(mark.box).reshape(2, 2))
+        elif isinstance(mark, PlacedPiece):
             clouds.append(placed(mark, pieces[mark.piece].polygon))
         elif isinstance(mark, Dot):
             clouds.append(np.array([[mark.x, mark.y]]))

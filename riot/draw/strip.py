@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from riot.draw.course import motion_marks
-from riot.draw.figure import write_scene
+from riot.draw.files import write_scene
+from riot.draw.keyframes import motion_marks
 from riot.draw.panels import sketch
+from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Label, Mark, Scene, extent, moved
-from riot.draw.skin import PLAIN, Skins
 from riot.motion.planner import motion_of
 from riot.transform.transform import Transform
 
@@ -22,16 +22,16 @@ _PENS_ACROSS = 1280.0
 _NAME_LENGTH = 28
 
 
-def draw_strip(transform: Transform, path: str | os.PathLike[str], skins: Skins = PLAIN) -> None:
-    """Write the strip; the suffix (svg, png, pdf) chooses the format. With ``skins`` the pieces show their front.
+def draw_strip(transform: Transform, path: str | os.PathLike[str], images: PieceImages = NO_IMAGES) -> None:
+    """Write the strip; the suffix (svg, png, pdf) chooses the format. With ``images`` the pieces show their front.
 
-    The same transform gives the same bytes. Raises `riot.draw.figure.PictureFormatError` (a ValueError) for another
+    The same transform gives the same bytes. Raises `riot.draw.files.PictureFormatError` (a ValueError) for another
     suffix, and OSError if the file cannot be written.
     """
-    write_scene(Path(path), lambda: strip_scene(transform, skins=skins))
+    write_scene(Path(path), lambda: strip_scene(transform, images=images))
 
 
-def strip_scene(transform: Transform, poses: int = POSES, skins: Skins = PLAIN) -> Scene:
+def strip_scene(transform: Transform, poses: int = POSES, images: PieceImages = NO_IMAGES) -> Scene:
     """``poses`` ≥ 2 poses at even times of `Transform.motion`, all at one scale, and what the motion needs in words."""
     drawn, motion = sketch(transform), motion_of(transform)
     groups = [motion_marks(drawn, motion, float(t)) for t in np.linspace(0.0, 1.0, poses)]
@@ -52,4 +52,4 @@ def strip_scene(transform: Transform, poses: int = POSES, skins: Skins = PLAIN) 
     marks.append(Label(middles[-1], base, names[1]))
     marks.append(Label(width / 2, base, f"{len(drawn)} pieces; the chain {motion.words}", "note"))
     title = f"{names[0]} swings into {names[1]}: {poses} poses of {len(drawn)} hinged pieces"
-    return Scene(title, (0.0, base - 14 * pen, width, 0.0), pen, drawn.pieces, tuple(marks), skins)
+    return Scene(title, (0.0, base - 14 * pen, width, 0.0), pen, drawn.pieces, tuple(marks), images)

@@ -14,11 +14,12 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
+import numpy.typing as npt
 from PIL import Image
 
 from riot.draw.palette import LIGHT, PENS, PIECES, Pen, colour, hue
-from riot.draw.scene import Dot, Label, Mark, Part, Path, Scene
-from riot.draw.skin import PLAIN, Skin, Skins
+from riot.draw.piece_image import NO_IMAGES, PieceImage, PieceImages
+from riot.draw.scene import Bitmap, Box, Dot, Label, Line, Mark, PlacedPiece, Region, Scene
 from riot.transform.transform import Piece
 from riot.types import FloatArray
 
@@ -26,7 +27,7 @@ UNITS = 1000
 """SVG units per unit of the scene: a thousandth of a unit-area shape is the finest detail in a picture."""
 
 JPEG_QUALITY = 88
-"""Of skins: a photograph is a tenth of what it is as PNG."""
+"""Of images: a photograph is a tenth of what it is as PNG."""
 
 FONT = "ui-sans-serif, system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
 
@@ -43,13 +44,22 @@ def escape(text: str) -> str:
 
 def document(scene: Scene, width: int = 960, scheme: Mapping[str, str] = LIGHT) -> str:
     """The scene as a whole SVG file, ``width`` pixels wide at its natural size."""
-    return whole(scene, painted(scene, prefix := naming(scene.pieces, scene.skins)), prefix, width, scheme)
+    return whole(scene, painted(scene, prefix := naming(scene.pieces, scene.images)), prefix, width, scheme)
 
 
 def whole(
     scene: Scene, body: str, prefix: str, width: int = 960, scheme: Mapping[str, str] = LIGHT, style: str = ""
 ) -> str:
     """An SVG file of a scene's frame, style and pieces around a body that is already SVG."""
+    return f"{opening(scene, prefix, width, scheme, style)}{body}{CLOSING}"
+
+
+CLOSING = "</svg>\n"
+"""What ends an SVG file."""
+
+
+def opening(scene: Scene, prefix: str, width: int = 960, scheme: Mapping[str, str] = LIGHT, style: str = "") -> str:
+    """What an SVG file has before its body: all pictures of one box and the same pieces begin with the same text."""
     x0, y0, x1, y1 = scene.box
     height = round(width * (y1 - y0) / (x1 - x0))
     left, top, wide, high = _view(scene)
@@ -58,7 +68,7 @@ def whole(
         f'height="{height}" role="img"><title>{escape(scene.title)}</title>'
         f"<style>{_file_style(scene.pen, scheme)}{style}</style>"
         f'<rect x="{left}" y="{top}" width="{wide}" height="{high}" fill="{scheme["paper"]}"/>'
-        f"{definitions(scene.pieces, prefix, scene.skins)}{body}</svg>\n"
+        f"{definitions(scene.pieces, prefix, scene.images)}"
     )
 
 
@@ -76,59 +86,65 @@ def fragment(scene: Scene, prefix: str, body: str | None = None, kind: str = "")
     )
 
 
-def naming(pieces: Iterable[Piece], skins: Skins = PLAIN) -> str:
-    """A prefix for the pieces' ids that depends on their drawn geometry and their skins alone."""
+def naming(pieces: Iterable[Piece], images: PieceImages = NO_IMAGES) -> str:
+    """A prefix for the pieces' ids that depends on their drawn geometry and their images alone."""
     state = hashlib.sha256("|".join(path_data(piece.polygon) for piece in pieces).encode())
-    for side in sorted(skins):
-        for skin in skins[side]:
-            state.update(f"|{side} {skin.pixels.shape} {skin.box}".encode() + skin.pixels.tobytes())
+    for side in sorted(images):
+        for image in images[side]:
+            state.update(f"|{side} {image.pixels.shape} {image.box}".encode() + image.pixels.tobytes())
     return f"r{state.hexdigest()[:8]}-"
 
 
-def definitions(pieces: tuple[Piece, ...], prefix: str, skins: Skins = PLAIN) -> str:
+def definitions(pieces: tuple[Piece, ...], prefix: str, images: PieceImages = NO_IMAGES) -> str:
     """The ``<defs>`` of the pieces: each drawn once, with the seam along its trunk edge.
 
-    Their ids are ``prefix0`` … in their colours, and ``prefixp0`` …, ``prefixq0`` … of the sides that have skins.
+    Their ids are ``prefix0`` … in their colours, and ``prefixp0`` …, ``prefixq0`` … of the sides that have images.
     """
     groups = [
         f'<g id="{prefix}{i}"><path class="r-piece{hue(i, len(pieces))}" d="{path_data(piece.polygon)}"/>'
         f'<path class="r-seam" d="M0 0H{_whole(piece.length)}"/></g>'
         for i, piece in enumerate(pieces)
     ]
-    for side in sorted(skins):
+    for side in sorted(images):
         groups += [
-            _skinned(piece, f"{prefix}{side}{i}", skin)
-            for i, (piece, skin) in enumerate(zip(pieces, skins[side], strict=True))
+            _with_image(piece, f"{prefix}{side}{i}", image)
+            for i, (piece, image) in enumerate(zip(pieces, images[side], strict=True))
         ]
     return f"<defs>{''.join(groups)}</defs>" if groups else ""
 
 
-def _skinned(piece: Piece, name: str, skin: Skin) -> str:
-    """A piece with its skin, cut to its outline."""
-    x0, y0, x1, y1 = skin.box
+def _with_image(piece: Piece, name: str, image: PieceImage) -> str:
+    """A piece with its image, cut to its outline."""
     path = path_data(piece.polygon)
+    return f'<g id="{name}">{_image(image.pixels, image.box, path, name, "JPEG")}<path class="r-cut" d="{path}"/></g>'
+
+
+def _image(pixels: npt.NDArray[np.uint8], box: Box, clip: str, name: str, kind: str) -> str:
+    """Pixels that fill a box, cut to the path ``clip`` if it is not empty, as JPEG or, without loss, as PNG."""
+    x0, y0, x1, y1 = box
+    clip_path = f'<clipPath id="{name}c"><path d="{clip}"/></clipPath>' if clip else ""
+    cut = f' clip-path="url(#{name}c)"' if clip else ""
     return (
-        f'<g id="{name}"><clipPath id="{name}c"><path d="{path}"/></clipPath>'
-        f'<image clip-path="url(#{name}c)" x="{_whole(x0)}" y="{_whole(-y1)}" width="{_whole(x1 - x0)}" '
-        f'height="{_whole(y1 - y0)}" preserveAspectRatio="none" href="{_data_url(skin)}"/>'
-        f'<path class="r-cut" d="{path}"/></g>'
+        f'{clip_path}<image{cut} x="{_whole(x0)}" y="{_whole(-y1)}" width="{_whole(x1 - x0)}" '
+        f'height="{_whole(y1 - y0)}" preserveAspectRatio="none" href="{_data_url(pixels, kind)}"/>'
     )
 
 
-def _data_url(skin: Skin) -> str:
+def _data_url(pixels: npt.NDArray[np.uint8], kind: str) -> str:
     stream = io.BytesIO()
-    Image.fromarray(skin.pixels).save(stream, "JPEG", quality=JPEG_QUALITY, subsampling=0)
-    return f"data:image/jpeg;base64,{base64.b64encode(stream.getvalue()).decode('ascii')}"
+    options: dict[str, int] = {"quality": JPEG_QUALITY, "subsampling": 0} if kind == "JPEG" else {}
+    Image.fromarray(pixels).save(stream, kind, **options)
+    return f"data:image/{kind.lower()};base64,{base64.b64encode(stream.getvalue()).decode('ascii')}"
 
 
-def piece_id(prefix: str, piece: int, side: str = "p", skins: Skins = PLAIN) -> str:
+def piece_id(prefix: str, piece: int, side: str = "p", images: PieceImages = NO_IMAGES) -> str:
     """The id under which `definitions` has what shows of a piece."""
-    return f"{prefix}{side if side in skins else ''}{piece}"
+    return f"{prefix}{side if side in images else ''}{piece}"
 
 
 def painted(scene: Scene, prefix: str) -> str:
     """The scene's marks as SVG text."""
-    return "".join(_mark(mark, prefix, scene) for mark in scene.marks)
+    return "".join(_mark(number, mark, prefix, scene) for number, mark in enumerate(scene.marks))
 
 
 def path_data(points: FloatArray, closed: bool = True) -> str:
@@ -167,7 +183,7 @@ def page_colours(scheme: Mapping[str, str]) -> str:
 
 
 def _file_style(pen: float, scheme: Mapping[str, str]) -> str:
-    rules = [f"text{{font-family:{FONT}}}"]
+    rules = [f"text{{font-family:{FONT}}}", "image{image-rendering:smooth}"]
     rules += [_rule(name, value, pen * UNITS, lambda token: colour(token, scheme)) for name, value in PENS.items()]
     return "".join(rules)
 
@@ -184,16 +200,24 @@ def _rule(name: str, pen: Pen, unit: float, paint: Callable[[str], str]) -> str:
     return f".r-{name}{{{';'.join(parts)}}}"
 
 
-def _mark(mark: Mark, prefix: str, scene: Scene) -> str:
-    if isinstance(mark, Path):
-        return f'<path class="r-{mark.pen}" d="{path_data(mark.points, mark.closed)}"/>'
-    if isinstance(mark, Part):
+def _mark(number: int, mark: Mark, prefix: str, scene: Scene) -> str:
+    if isinstance(mark, Region):
+        return f'<path class="r-{mark.pen}" d="{_rings(mark.rings)}"/>'
+    if isinstance(mark, Line):
+        return f'<path class="r-{mark.pen}" d="{path_data(mark.points, closed=False)}"/>'
+    if isinstance(mark, PlacedPiece):
         scaled = "" if mark.scale == 1.0 else f"scale({_number(mark.scale)})"
         moves = f"translate({place(mark.x, mark.y)})rotate({turn(mark.heading)}){scaled}"
-        return f'<use href="#{piece_id(prefix, mark.piece, mark.side, scene.skins)}" transform="{moves}"/>'
+        return f'<use href="#{piece_id(prefix, mark.piece, mark.side, scene.images)}" transform="{moves}"/>'
+    if isinstance(mark, Bitmap):
+        return _image(mark.pixels, mark.box, _rings(mark.clip or ()), f"{prefix}b{number}", "PNG")
     if isinstance(mark, Dot):
         return dot(mark, scene.pen)
     return _label(mark, scene.pen)
+
+
+def _rings(rings: Iterable[FloatArray]) -> str:
+    return "".join(map(path_data, rings))
 
 
 def dot(mark: Dot, pen: float) -> str:

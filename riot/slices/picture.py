@@ -11,11 +11,10 @@ import numpy as np
 import shapely
 from matplotlib.colors import to_rgb
 
-from riot.draw.figure import write_scene
+from riot.draw.files import write_scene
 from riot.draw.palette import LIGHT, PIECES, hue
 from riot.draw.panels import deformation_marks, sketch
-from riot.draw.scene import Label, Mark, Scene, extent, moved
-from riot.draw.scene import Path as Line
+from riot.draw.scene import Label, Mark, Region, Scene, extent, moved
 from riot.fabricate.export.paper import MM_PER_INCH, Page, new_page, png_bytes
 from riot.slices.cut import Slice, Stack
 from riot.slices.make import Outcome, Puzzle
@@ -113,7 +112,7 @@ def _panels(transform: Transform) -> list[list[Mark]]:
 
 def _dissection(drawn: Transform, t: float) -> list[Mark]:
     parts = drawn.parts(drawn.pose(t))
-    return [Line(points, f"piece{hue(i, len(parts))}") for i, points in enumerate(parts)]
+    return [Region((points,), f"piece{hue(i, len(parts))}") for i, points in enumerate(parts)]
 
 
 def _pieces(puzzle: Puzzle, t: float, lift: float) -> list[Body]:

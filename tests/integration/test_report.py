@@ -21,7 +21,7 @@ from pipeline.tables import schemas as tables
 from riot.construction.laplacian import construct_laplacian
 from riot.draw.palette import hue
 from riot.draw.texture.paint import pattern_texture
-from riot.draw.texture.skins import make_skins
+from riot.draw.texture.sample import piece_images
 from riot.parameters.method import ConstructParameters
 from riot.transform.deformation import measure_deformation
 
@@ -276,7 +276,7 @@ def test_pieces_of_colour_pictures_show_them(tmp_path):
     made = fake_run.write_fake_run(folder, made=fake_run.transforms(2))
     stripes = {"p": pattern_texture("stripes", made[0], "p")}
     (folder / "skins").mkdir()
-    payload = encode(Artifact(pack_skins(make_skins(made[0], stripes))))
+    payload = encode(Artifact(pack_skins(piece_images(made[0], stripes))))
     (folder / "skins" / "0001.skins").write_bytes(payload)
     text = write_report(folder).read_text(encoding="utf-8")
     parsed = Page(text)

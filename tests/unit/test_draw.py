@@ -10,11 +10,11 @@ import pytest
 from PIL import Image
 
 from riot.draw import animate_svg, draw_transform
-from riot.draw.course import FRAMES, STEP, calm, course, eased, motion_marks, swept_box
 from riot.draw.figure import STRIP_TIMES, figure_scene
+from riot.draw.keyframes import FRAMES, MAX_TURN, eased, frame_count, keyframes, motion_marks, swept_box
 from riot.draw.palette import DARK, LIGHT, PENS, PIECES, colour, hue
 from riot.draw.panels import DETAIL, chain_marks, pose_marks, sketch
-from riot.draw.scene import Part, around, extent, moved, placed
+from riot.draw.scene import PlacedPiece, around, extent, moved, placed
 from riot.draw.svg import document, escape, path_data, turn
 from riot.errors import RiotError
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
@@ -80,7 +80,7 @@ def distance_to(line, point):
 
 
 def test_the_straight_chain_has_p_below_and_q_above(transform):
-    parts = [mark for mark in chain_marks(transform, 1) if isinstance(mark, Part)]
+    parts = [mark for mark in chain_marks(transform, 1) if isinstance(mark, PlacedPiece)]
     assert all(part.y == 0.0 and part.heading == 0.0 for part in parts)
     assert sorted(part.piece for part in parts) == list(range(len(transform)))
     ends = sorted((part.x, part.x + transform.pieces[part.piece].length) for part in parts)
@@ -196,12 +196,12 @@ def motion(transform, request):
     return replace(planned, lifted=lifted, times=times, turns=turns, levels=levels)
 
 
-class TestCourse:
+class TestKeyframes:
     """All poses at once are those of `Motion.pose_at`, one by one."""
 
     @pytest.mark.parametrize("times", [eased(97), np.linspace(0.0, 1.0, 11), np.array([0.37]), np.array([1.0, 0.0])])
     def test_is_the_poses_one_by_one(self, motion, times):
-        found, poses = course(motion, times), [motion.pose_at(float(t)) for t in times]
+        found, poses = keyframes(motion, times), [motion.pose_at(float(t)) for t in times]
         assert np.allclose(found.headings, [pose.headings for pose in poses], rtol=0.0, atol=1e-12)
         assert np.allclose(found.origins, [pose.origins for pose in poses], rtol=0.0, atol=1e-12)
 
@@ -209,13 +209,13 @@ class TestCourse:
         for least in (1, 10, FRAMES):
             fine = [motion.pose_at(float(t)).headings for t in eased(8 * least)]
             fastest = np.abs(np.diff(fine, axis=0)).max() * 8.0
-            assert calm(motion, least) == max(least, int(np.ceil(least * fastest / STEP)))
+            assert frame_count(motion, least) == max(least, int(np.ceil(least * fastest / MAX_TURN)))
 
     def test_its_frame_is_that_of_the_marks_of_every_pose(self, transform, motion):
         drawn, times = sketch(transform), eased(FRAMES)
         marks = [motion_marks(drawn, motion, float(t)) for t in times]
         plain = around((extent(found, drawn.pieces) for found in marks), 0.05)
-        assert swept_box(drawn, course(motion, times), 0.05) == pytest.approx(plain, rel=0.0, abs=1e-12)
+        assert swept_box(drawn, keyframes(motion, times), 0.05) == pytest.approx(plain, rel=0.0, abs=1e-12)
 
 
 class TestAnimation:

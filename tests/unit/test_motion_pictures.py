@@ -16,10 +16,10 @@ from PIL import Image
 from riot import RiotError, Transform
 from riot.cli.main import main
 from riot.draw import animate_svg, draw_strip, write_film
-from riot.draw.course import SECONDS, STEP, calm, eased, loop_seconds, motion_marks, stacking
 from riot.draw.film import MODULE, FilmError
+from riot.draw.keyframes import MAX_TURN, SECONDS, eased, frame_count, loop_seconds, motion_marks, painting_order
 from riot.draw.panels import sketch
-from riot.draw.scene import Dot, Part, extent
+from riot.draw.scene import Dot, PlacedPiece, extent
 from riot.draw.strip import POSES, strip_scene
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import Motion, plan_motion
@@ -46,7 +46,7 @@ def test_marks_are_the_poses_of_the_plan(made: Transform) -> None:
     motion, drawn = made.motion(), sketch(made)
     for t in (0.0, 0.3, 1.0):
         pose = motion.pose_at(t)
-        parts = [mark for mark in motion_marks(drawn, motion, t) if isinstance(mark, Part)]
+        parts = [mark for mark in motion_marks(drawn, motion, t) if isinstance(mark, PlacedPiece)]
         assert sorted(part.piece for part in parts) == list(range(4))
         for part in parts:
             assert (part.x, part.y) == tuple(pose.origins[part.piece])
@@ -56,7 +56,7 @@ def test_marks_are_the_poses_of_the_plan(made: Transform) -> None:
 def test_higher_planes_are_painted_over_lower_ones(made: Transform) -> None:
     motion = lifting(made)
     top = motion.levels.max(axis=0)
-    assert [top[i] for i in stacking(motion)] == sorted(top)
+    assert [top[i] for i in painting_order(motion)] == sorted(top)
     dots = [mark for mark in motion_marks(made, motion, 0.5) if isinstance(mark, Dot)]
     assert [dot.pen for dot in dots].count("open") == 2
     assert len({dot.radius for dot in dots}) == 2
@@ -64,19 +64,19 @@ def test_higher_planes_are_painted_over_lower_ones(made: Transform) -> None:
 
 def test_frames_are_so_many_that_no_piece_turns_far_between_two(made: Transform) -> None:
     for motion in (made.motion(), exact_transform(dudeney()).motion()):
-        frames = calm(motion, 10)
+        frames = frame_count(motion, 10)
         turned = np.diff([motion.pose_at(float(t)).headings for t in eased(frames)], axis=0)
         assert frames >= 10
-        assert np.abs(turned).max() < 1.1 * STEP
+        assert np.abs(turned).max() < 1.1 * MAX_TURN
 
 
 def test_animation_turns_the_pieces_as_the_plan_does(made: Transform) -> None:
     root = ET.fromstring(animate_svg(made))
     motion = made.motion()
-    frames = calm(motion)
+    frames = frame_count(motion)
     moving = root.find(f"{SVG}g[@class='r-move']")
     assert moving is not None
-    for row, i in zip(moving, stacking(motion), strict=True):
+    for row, i in zip(moving, painting_order(motion), strict=True):
         _, rotation = row.iter(f"{SVG}animateTransform")
         assert float(rotation.get("dur", "")[:-1]) >= 0.99 * SECONDS
         shown = {float(value) for value in rotation.get("values", "").split(";")}
@@ -98,7 +98,7 @@ def test_a_strip_shows_every_piece_in_every_pose(made: Transform, tmp_path: Path
 
 def test_the_poses_of_a_strip_do_not_overlap(made: Transform) -> None:
     scene = strip_scene(made)
-    parts = [mark for mark in scene.marks if isinstance(mark, Part)]
+    parts = [mark for mark in scene.marks if isinstance(mark, PlacedPiece)]
     boxes = [extent(parts[4 * k : 4 * k + 4], scene.pieces) for k in range(POSES)]
     assert all(before[2] < after[0] for before, after in pairwise(boxes))
     assert all(scene.box[1] < y0 < y1 < scene.box[3] for _, y0, _, y1 in boxes)
@@ -116,7 +116,7 @@ def test_a_gif_goes_there_and_back(made: Transform, tmp_path: Path) -> None:
             frames.append(np.asarray(film.convert("RGB"), dtype=np.int64))
         assert film.width == 120
         assert film.info["loop"] == 0
-    turning = calm(made.motion())
+    turning = frame_count(made.motion())
     assert len(frames) == 2 * turning
     differs = [np.abs(frames[0] - frame).mean() for frame in frames]
     assert max(differs) > 10.0
@@ -142,7 +142,7 @@ def test_an_mp4_is_a_film(made: Transform, tmp_path: Path) -> None:
     write_film(made, tmp_path / "a.mp4", width=121)
     frames, seconds = writer.count_frames_and_secs(str(tmp_path / "a.mp4"))
     assert frames > 200
-    assert seconds == pytest.approx(loop_seconds(calm(made.motion())), rel=0.01)
+    assert seconds == pytest.approx(loop_seconds(frame_count(made.motion())), rel=0.01)
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
 
 

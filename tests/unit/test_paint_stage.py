@@ -17,7 +17,7 @@ from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.tables.messages import remarks
 from pipeline.tables.textures import FOLDER, read_skins
 from riot import Transform
-from riot.draw.skin import PLAIN
+from riot.draw.piece_image import NO_IMAGES
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.riot_file import to_json
 
@@ -105,9 +105,9 @@ def test_skins_are_read_from_a_runs_folder_if_they_are_whole(
     found = run([planned], [], (picture(tmp_path / "p.png", transform.p), None))
     (tmp_path / FOLDER).mkdir()
     target = tmp_path / FOLDER / "0001_a_b.skins"
-    assert read_skins(tmp_path, "transforms/0001_a_b.riot", 4) is PLAIN
+    assert read_skins(tmp_path, "transforms/0001_a_b.riot", 4) is NO_IMAGES
     target.write_bytes(encode(Artifact(found.arrays)))
     skins = read_skins(tmp_path, "transforms/0001_a_b.riot", 4)
     assert set(skins) == {"p"} and len(skins["p"]) == 4
     target.write_bytes(target.read_bytes()[:-100])
-    assert read_skins(tmp_path, "transforms/0001_a_b.riot", 4) is PLAIN
+    assert read_skins(tmp_path, "transforms/0001_a_b.riot", 4) is NO_IMAGES

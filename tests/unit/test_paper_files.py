@@ -14,7 +14,7 @@ import shapely
 from matplotlib.text import Text
 from PIL import Image
 
-from riot.draw.figure import PictureFormatError
+from riot.draw.files import PictureFormatError
 from riot.draw.texture.names import Side
 from riot.draw.texture.paint import PlainTexture, find_textures
 from riot.draw.texture.source import ByteArray

@@ -1,7 +1,7 @@
 """Textures of the pieces: the two inputs' own pictures, or patterns, warped onto the dissections.
 
 `names` says what sides and patterns are called and imports nothing; `warp` moves a picture with its shape, `paint` and
-`skins` put it on the pieces (tests/property/test_texture.py, tests/unit/test_skins.py).
+`sample` put it on the pieces (tests/property/test_texture.py, tests/unit/test_piece_images.py).
 """
 
 import lazy_loader

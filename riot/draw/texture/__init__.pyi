@@ -1,5 +1,5 @@
 from . import names as names
 from . import paint as paint
-from . import skins as skins
+from . import sample as sample
 from . import source as source
 from . import warp as warp

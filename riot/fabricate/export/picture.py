@@ -20,7 +20,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex, to_rgb
 from shapely.geometry.polygon import orient
 
-from riot.draw.figure import PictureFormatError
+from riot.draw.files import PictureFormatError
 from riot.draw.palette import LIGHT, PIECES, hue
 from riot.fabricate.export.paper import MM_PER_INCH, Frame, Page, new_page, png_bytes
 from riot.fabricate.export.sheets import face, painted
@@ -70,7 +70,7 @@ def draw_puzzle(
 
     As P it is seen from the front, with P's texture if there is one. As Q it is seen from the back if there is a
     texture of Q, which is mirrored there as the outline is; from the front else, in plain colours. The same input gives
-    the same bytes. Raises `riot.draw.figure.PictureFormatError` for a suffix other than .png.
+    the same bytes. Raises `riot.draw.files.PictureFormatError` for a suffix other than .png.
     """
     target = Path(path)
     if target.suffix.lower() != ".png":

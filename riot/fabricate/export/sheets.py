@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 
 from riot.draw.palette import LIGHT
-from riot.draw.texture.skins import painted as raster
+from riot.draw.texture.sample import painted as raster
 from riot.fabricate.export.flat import FlatFormatError
 from riot.fabricate.export.paper import MM_PER_INCH, Frame, Page, new_page, pdf_bytes
 from riot.fabricate.model import polygons
@@ -133,7 +133,7 @@ def painted(
 ) -> tuple[ByteArray, tuple[float, float, float, float]]:
     """A piece's texture in a region of the paper: (rows, columns, 3) uint8, first row at the top, and its box in mm.
 
-    ``step`` is the size of a pixel in mm (`riot.draw.texture.skins.painted`).
+    ``step`` is the size of a pixel in mm (`riot.draw.texture.sample.painted`).
     """
     pose = design.transform.pose(0.0 if side == "p" else 1.0)
 

@@ -16,12 +16,12 @@ from riot.draw import animate_svg, draw_strip, draw_transform, write_film
 from riot.draw.animate import swing_of
 from riot.draw.figure import figure_scene
 from riot.draw.panels import dissection_marks
-from riot.draw.plot import png
-from riot.draw.scene import Part, Scene, extent, placed
-from riot.draw.skin import Skins
+from riot.draw.piece_image import PieceImages
+from riot.draw.raster import png_bytes
+from riot.draw.scene import PlacedPiece, Scene, extent, placed
 from riot.draw.svg import document, naming, piece_id
 from riot.draw.texture.names import SIDES, Side
-from riot.draw.texture.skins import make_skins, painted
+from riot.draw.texture.sample import painted, piece_images
 from riot.draw.texture.source import ByteArray
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.types import FloatArray
@@ -51,8 +51,8 @@ def transform() -> Transform:
 
 
 @pytest.fixture(scope="module")
-def skins(transform: Transform) -> Skins:
-    return make_skins(transform, TEXTURES)
+def images(transform: Transform) -> PieceImages:
+    return piece_images(transform, TEXTURES)
 
 
 def middles(transform: Transform) -> list[FloatArray]:
@@ -64,9 +64,9 @@ def middles(transform: Transform) -> list[FloatArray]:
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_a_skin_has_the_colours_of_the_assembled_shape(transform: Transform, skins: Skins, side: Side) -> None:
+def test_a_skin_has_the_colours_of_the_assembled_shape(transform: Transform, images: PieceImages, side: Side) -> None:
     pose = transform.pose(0.0 if side == "p" else 1.0)
-    for i, (skin, middle) in enumerate(zip(skins[side], middles(transform), strict=True)):
+    for i, (skin, middle) in enumerate(zip(images[side], middles(transform), strict=True)):
         x0, y0, x1, y1 = skin.box
         points = transform.pieces[i].polygon
         assert (points.min(axis=0) > [x0, y0]).all() and (points.max(axis=0) < [x1, y1]).all()
@@ -84,7 +84,7 @@ def test_a_raster_covers_its_region_and_is_white_beyond() -> None:
     assert (pixels[-1, 0] == 0).all() and (pixels[0, 0] == 0).all() and (pixels[0, -1] == 255).all()
 
 
-def seen(picture: Image.Image, scene: Scene, part: Part, place: FloatArray) -> FloatArray:
+def seen(picture: Image.Image, scene: Scene, part: PlacedPiece, place: FloatArray) -> FloatArray:
     """The mean colour of a picture of the scene around a place of a piece's frame."""
     x0, y0, x1, y1 = scene.box
     x, y = (placed(part, place)[0] - [x0, y1]) / [x1 - x0, y0 - y1] * [picture.width, picture.height]
@@ -93,10 +93,12 @@ def seen(picture: Image.Image, scene: Scene, part: Part, place: FloatArray) -> F
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_a_png_shows_them_where_the_pieces_lie(transform: Transform, skins: Skins, side: Side, tmp_path: Path) -> None:
-    marks = tuple(mark for mark in dissection_marks(transform, side) if isinstance(mark, Part))
-    scene = Scene("", extent(marks, transform.pieces), 0.002, transform.pieces, marks, skins)
-    (tmp_path / "seen.png").write_bytes(png(scene))
+def test_a_png_shows_them_where_the_pieces_lie(
+    transform: Transform, images: PieceImages, side: Side, tmp_path: Path
+) -> None:
+    marks = tuple(mark for mark in dissection_marks(transform, side) if isinstance(mark, PlacedPiece))
+    scene = Scene("", extent(marks, transform.pieces), 0.002, transform.pieces, marks, images)
+    (tmp_path / "seen.png").write_bytes(png_bytes(scene))
     with Image.open(tmp_path / "seen.png") as picture:
         for part, middle in zip(marks, middles(transform), strict=True):
             found = seen(picture, scene, part, middle)
@@ -104,8 +106,8 @@ def test_a_png_shows_them_where_the_pieces_lie(transform: Transform, skins: Skin
             assert found[2] == pytest.approx(TEXTURES[side].blue, abs=4.0)
 
 
-def test_a_film_carries_them_along(transform: Transform, skins: Skins, tmp_path: Path) -> None:
-    write_film(transform, tmp_path / "swing.gif", 240, skins)
+def test_a_film_carries_them_along(transform: Transform, images: PieceImages, tmp_path: Path) -> None:
+    write_film(transform, tmp_path / "swing.gif", 240, images)
     with Image.open(tmp_path / "swing.gif") as film:
         for k in (0, film.n_frames // 4, film.n_frames // 2):
             film.seek(k)
@@ -116,11 +118,11 @@ def test_a_film_carries_them_along(transform: Transform, skins: Skins, tmp_path:
             assert len(shown) > 0.1 * len(pixels)
 
 
-def test_svg_defines_every_skin_once_and_uses_it(transform: Transform, skins: Skins) -> None:
-    scene = figure_scene(transform, skins)
+def test_svg_defines_every_skin_once_and_uses_it(transform: Transform, images: PieceImages) -> None:
+    scene = figure_scene(transform, images)
     root = ElementTree.fromstring(document(scene))
     ids = [group.attrib["id"] for group in root.find(f"{SPACE}defs") or ()]
-    prefix, n = naming(scene.pieces, skins), len(transform)
+    prefix, n = naming(scene.pieces, images), len(transform)
     assert ids == [f"{prefix}{side}{i}" for side in ("", "p", "q") for i in range(n)]
     uses = [use.attrib["href"] for use in root.iter(f"{SPACE}use")]
     assert uses.count(f"#{prefix}q0") == 1  # Q's own dissection
@@ -129,25 +131,25 @@ def test_svg_defines_every_skin_once_and_uses_it(transform: Transform, skins: Sk
     assert len(links) == 2 * n and all(link.startswith("data:image/jpeg;base64,") for link in links)
 
 
-def test_the_motion_shows_the_front(transform: Transform, skins: Skins) -> None:
-    prefix = naming(transform.pieces, skins)
-    assert f"#{prefix}p0" in swing_of(transform, prefix, skins).body
-    back = {"q": skins["q"]}
-    assert piece_id(prefix, 0, skins=back) == f"{prefix}0" and piece_id(prefix, 0, "q", back) == f"{prefix}q0"
+def test_the_motion_shows_the_front(transform: Transform, images: PieceImages) -> None:
+    prefix = naming(transform.pieces, images)
+    assert f"#{prefix}p0" in swing_of(transform, prefix, images).body
+    back = {"q": images["q"]}
+    assert piece_id(prefix, 0, images=back) == f"{prefix}0" and piece_id(prefix, 0, "q", back) == f"{prefix}q0"
     assert f"#{prefix}q0" not in swing_of(transform, prefix, back).body
 
 
-def test_names_of_pieces_depend_on_their_skins(transform: Transform, skins: Skins) -> None:
-    other = make_skins(transform, {"p": Places(11)})
-    names = {naming(transform.pieces), naming(transform.pieces, skins), naming(transform.pieces, other)}
+def test_names_of_pieces_depend_on_their_images(transform: Transform, images: PieceImages) -> None:
+    other = piece_images(transform, {"p": Places(11)})
+    names = {naming(transform.pieces), naming(transform.pieces, images), naming(transform.pieces, other)}
     assert len(names) == 3
 
 
-def test_pictures_are_the_same_every_time(transform: Transform, skins: Skins, tmp_path: Path) -> None:
-    again = make_skins(transform, TEXTURES)
-    assert animate_svg(transform, skins) == animate_svg(transform, again)
+def test_pictures_are_the_same_every_time(transform: Transform, images: PieceImages, tmp_path: Path) -> None:
+    again = piece_images(transform, TEXTURES)
+    assert animate_svg(transform, images) == animate_svg(transform, again)
     for name in ("strip.svg", "strip.pdf", "figure.png"):
-        for folder, some in (("one", skins), ("two", again)):
+        for folder, some in (("one", images), ("two", again)):
             (tmp_path / folder).mkdir(exist_ok=True)
             draw = draw_strip if name.startswith("strip") else draw_transform
             draw(transform, tmp_path / folder / name, some)

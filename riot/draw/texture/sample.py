@@ -1,4 +1,4 @@
-"""Skins of a transform's pieces, as pictures of it show them: textures sampled in the pieces' own frames. Ours."""
+"""Images of a transform's pieces, as pictures of it show them: textures sampled in the pieces' own frames. Ours."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from riot.draw.skin import Skin, Skins
+from riot.draw.piece_image import PieceImage, PieceImages
 
 if TYPE_CHECKING:
     from riot.draw.texture.names import Side
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
     from riot.types import FloatArray
 
 STEP = 1.0 / 240.0
-"""Side of a skin's pixel, in units of the unit-area shape: about a pixel of a page's pictures."""
+"""Side of an image's pixel, in units of the unit-area shape: about a pixel of a page's pictures."""
 
 
-def make_skins(transform: Transform, textures: Mapping[Side, Texture], step: float = STEP) -> Skins:
-    """Every piece's skin for the sides that have a texture, in pixels of side ``step`` (unit-area frame).
+def piece_images(transform: Transform, textures: Mapping[Side, Texture], step: float = STEP) -> PieceImages:
+    """Every piece's image for the sides that have a texture, in pixels of side ``step`` (unit-area frame).
 
     P's is what is seen of the pieces from the front, at all moments of the motion; Q's is on their back, and is given
     as Q's own picture has it, not mirrored.
     """
-    return {side: _skins(transform, side, texture, step) for side, texture in textures.items()}
+    return {side: _sampled(transform, side, texture, step) for side, texture in textures.items()}
 
 
-def _skins(transform: Transform, side: Side, texture: Texture, step: float) -> tuple[Skin, ...]:
+def _sampled(transform: Transform, side: Side, texture: Texture, step: float) -> tuple[PieceImage, ...]:
     pose = transform.pose(0.0 if side == "p" else 1.0)
     found = []
     for i, piece in enumerate(transform.pieces):
@@ -39,7 +39,7 @@ def _skins(transform: Transform, side: Side, texture: Texture, step: float) -> t
             return texture.colours(i, pose.place(i, points), step)
 
         # A rim of two pixels: what writers smooth at the edge must not be white.
-        found.append(Skin(*painted(shapely.Polygon(piece.polygon).buffer(2.0 * step), step, colours)))
+        found.append(PieceImage(*painted(shapely.Polygon(piece.polygon).buffer(2.0 * step), step, colours)))
     return tuple(found)
 
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 
 @dataclass(frozen=True, eq=False)
-class Skin:
+class PieceImage:
     """The picture of one piece.
 
     Parameters
@@ -26,8 +26,8 @@ class Skin:
     box: tuple[float, float, float, float]
 
 
-Skins = Mapping[str, tuple[Skin, ...]]
-"""A skin for every piece, by side: "p" is the front of the pieces, "q" their back as it is in Q's own picture."""
+PieceImages = Mapping[str, tuple[PieceImage, ...]]
+"""An image for every piece, by side: "p" is the front of the pieces, "q" their back as it is in Q's own picture."""
 
-PLAIN: Skins = MappingProxyType({})
+NO_IMAGES: PieceImages = MappingProxyType({})
 """Every piece has its colour."""

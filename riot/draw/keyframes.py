@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.draw.scene import Box, Dot, Mark, Part, around, swept
+from riot.draw.scene import Box, Dot, Mark, PlacedPiece, around, swept
 from riot.transform.motion import LIFT, Motion
 from riot.transform.pose import direction
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
-STEP = math.radians(10.0)
+MAX_TURN = math.radians(10.0)
 """Most that a piece turns between two frames, so that straight steps look rigid."""
 
-LIFTING = 4.5
+LIFTING_RADIUS = 4.5
 """Radius of a telescopic hinge's dot, in pens."""
 
 
@@ -31,7 +31,7 @@ SECONDS = 8.0
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class Keyframes:
     """The n pieces at k times: (k, n) headings, radians, and (k, n, 2) origins, as `Pose` has them."""
 
     headings: FloatArray
@@ -50,7 +50,7 @@ def loop_seconds(frames: int) -> float:
     return SECONDS * (frames + REST) / (FRAMES + REST)
 
 
-def course(motion: Motion, times: FloatArray) -> Course:
+def keyframes(motion: Motion, times: FloatArray) -> Keyframes:
     """`Motion.pose_at` at all ``times`` (k,) in [0, 1], at once.
 
     Between two knots all headings, and the mean of the edges' middles, change evenly. So poses are asked for at the
@@ -66,7 +66,7 @@ def course(motion: Motion, times: FloatArray) -> Course:
     origins = np.zeros_like(edges)
     origins[:, chain[1:]] = np.cumsum(edges[:, chain[:-1]], axis=1)
     middles = _between(times, knots, _middle(np.array([pose.origins for pose in known]), known_edges))
-    return Course(headings, origins + (middles - _middle(origins, edges))[:, None])
+    return Keyframes(headings, origins + (middles - _middle(origins, edges))[:, None])
 
 
 def _knots(motion: Motion) -> FloatArray:
@@ -93,20 +93,20 @@ def _middle(origins: FloatArray, edges: FloatArray) -> FloatArray:
     return middle
 
 
-def calm(motion: Motion, frames: int = FRAMES) -> int:
-    """Frames of the way, at least so many, for `eased` times between which no piece turns by more than `STEP`."""
-    fine = course(motion, eased(8 * frames)).headings
+def frame_count(motion: Motion, frames: int = FRAMES) -> int:
+    """Frames of the way, at least so many, for `eased` times between which no piece turns by more than `MAX_TURN`."""
+    fine = keyframes(motion, eased(8 * frames)).headings
     fastest = float(np.abs(np.diff(fine, axis=0)).max()) * 8.0
-    return max(frames, math.ceil(frames * fastest / STEP))
+    return max(frames, math.ceil(frames * fastest / MAX_TURN))
 
 
-def swept_box(drawn: Transform, found: Course, margin: float) -> Box:
+def swept_box(drawn: Transform, found: Keyframes, margin: float) -> Box:
     """The smallest box around all pieces in all poses, and a margin."""
     boxes = (swept(piece.polygon, found.headings[:, i], found.origins[:, i]) for i, piece in enumerate(drawn.pieces))
     return around(boxes, margin)
 
 
-def stacking(motion: Motion) -> list[int]:
+def painting_order(motion: Motion) -> list[int]:
     """The pieces in the order in which they are painted: by plane, then along the chain from the open hinge."""
     n = len(motion.chain.lengths)
     top = motion.levels.max(axis=0)
@@ -117,14 +117,14 @@ def hinge_dot(motion: Motion, hinge: int, x: float, y: float) -> Dot:
     """The dot of a hinge: a ring for the open one, larger for those that lift."""
     if hinge == motion.open_hinge:
         return Dot(x, y, "open")
-    return Dot(x, y, "hinge", LIFTING) if hinge in motion.lifted else Dot(x, y, "hinge")
+    return Dot(x, y, "hinge", LIFTING_RADIUS) if hinge in motion.lifted else Dot(x, y, "hinge")
 
 
 def motion_marks(drawn: Transform, motion: Motion, t: float) -> list[Mark]:
     """The pieces at time t of the motion, hinges on top, the open one as rings at its two ends."""
     pose, n = motion.pose_at(t), len(drawn)
     places = [(float(x), float(y)) for x, y in pose.origins]
-    marks: list[Mark] = [Part(i, *places[i], float(pose.headings[i])) for i in stacking(motion)]
+    marks: list[Mark] = [PlacedPiece(i, *places[i], float(pose.headings[i])) for i in painting_order(motion)]
     marks += [hinge_dot(motion, i, *places[i]) for i in range(n)]
     last = (motion.open_hinge - 1) % n
     x, y = pose.origins[last] + drawn.pieces[last].length * direction(float(pose.headings[last]))
