@@ -41,20 +41,35 @@ class Shape(shape_module.Shape):
 
     @classmethod
     def from_image(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
-        """Read the silhouette in a picture; see `riot.geometry.silhouette.read_image`."""
+        """Read the silhouette in a picture; see `riot.geometry.silhouette.read_image`.
+
+        >>> from PIL import Image, ImageDraw
+        >>> picture = Image.new("L", (256, 256))
+        >>> ImageDraw.Draw(picture).ellipse((8, 8, 248, 248), fill=255)
+        >>> picture.save("disc.png")
+        >>> round(Shape.from_image("disc.png").perimeter, 1)  # 2√π
+        3.5
+        """
         return cast(Shape, geometry.silhouette.read_image(path, parameters))
 
     @classmethod
     def from_svg(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
-        """Read the outline in a vector file; see `riot.geometry.silhouette.read_svg`."""
+        """Read the outline in a vector file; see `riot.geometry.silhouette.read_svg`.
+
+        >>> from pathlib import Path
+        >>> text = '<svg xmlns="http://www.w3.org/2000/svg"><rect width="30" height="10"/></svg>'
+        >>> _ = Path("bar.svg").write_text(text)
+        >>> round(Shape.from_svg("bar.svg").perimeter, 3)  # 8/√3
+        4.619
+        """
         return cast(Shape, geometry.silhouette.read_svg(path, parameters))
 
     @classmethod
     def from_polygon(cls, points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
         """Make a shape of an (m, 2) polygon in either orientation; see `riot.geometry.silhouette.polygon_shape`.
 
-        >>> Shape.from_polygon([(0, 0), (4, 0), (4, 3)], name="triangle").perimeter  # of unit area
-        4.898979485566356
+        >>> round(Shape.from_polygon([(0, 0), (4, 0), (4, 3)], name="triangle").perimeter, 3)  # of unit area
+        4.899
         """
         return cast(Shape, geometry.silhouette.polygon_shape(points, name, parameters))
 
@@ -64,7 +79,11 @@ class Transform(transform_module.Transform):
     """An exact reversible transform; see `riot.transform.transform.Transform`."""
 
     def certificate(self) -> certificate.Certificate:
-        """Verify the two assemblies, once; see `riot.transform.certificate.certify`."""
+        """Verify the two assemblies, once; see `riot.transform.certificate.certify`.
+
+        >>> transform.certificate().passed
+        True
+        """
         return certificate.certify(self)
 
     @property
@@ -73,28 +92,53 @@ class Transform(transform_module.Transform):
         return deformation.overlap_ratios(self)
 
     def deformation(self) -> deformation.Deformation:
-        """Compare the two assemblies with the inputs; see `riot.transform.deformation.measure_deformation`."""
+        """Compare the two assemblies with the inputs; see `riot.transform.deformation.measure_deformation`.
+
+        >>> 0.95 < transform.deformation().iou < 1.0
+        True
+        """
         return deformation.measure_deformation(self)
 
     def motion(self) -> Motion:
-        """How the pieces swing from P to Q without collision; see `riot.motion.planner.motion_of`."""
+        """How the pieces swing from P to Q without collision; see `riot.motion.planner.motion_of`.
+
+        >>> transform.motion().words
+        'swings flat'
+        """
         return planner.motion_of(self)
 
     def planned(self) -> Transform:
-        """The transform with its motion as ``plan``, to be saved with it."""
+        """The transform with its motion as ``plan``, to be saved with it.
+
+        >>> transform.planned().plan.flat
+        True
+        """
         return cast(Transform, planner.with_motion(self))
 
     def draw(self, path: str | os.PathLike[str]) -> None:
-        """Draw inputs, trunks, both dissections and the chain; the suffix (svg, png, pdf) chooses the format."""
+        """Draw inputs, trunks, both dissections and the chain; the suffix (svg, png, pdf) chooses the format.
+
+        >>> transform.draw("house-kite.svg")
+        """
         draw.draw_transform(self, path)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a ``.riot`` file: JSON, exact to the last bit; `load` reads it back equal."""
+        """Write a ``.riot`` file: JSON, exact to the last bit; `load` reads it back equal.
+
+        >>> transform.save("house-kite.riot")
+        >>> len(Transform.load("house-kite.riot"))
+        4
+        """
         riot_file.save(self, path)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Transform:
-        """Read a ``.riot`` file; raises `riot.errors.FormatError` if it is none, or of an unknown version."""
+        """Read a ``.riot`` file; raises `riot.errors.FormatError` if it is none, or of an unknown version.
+
+        >>> transform.save("house-kite.riot")
+        >>> Transform.load("house-kite.riot").p.name
+        'house'
+        """
         return cast(Transform, riot_file.load(path))
 
 

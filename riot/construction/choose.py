@@ -52,6 +52,14 @@ def construct(
         There is no trunk pair, or the given one is not on the outlines, not convex, or not in corresponding order.
     ConstructionError
         No trunk pair gave an exact transform; ``reason`` and the message say why the best one failed.
+
+    Examples
+    --------
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)], name="house")
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)], name="kite")
+    >>> len(construct(house, kite))  # pieces
+    4
     """
     parameters, refinement = parameters or ConstructParameters(), refinement or RefineParameters()
     if trunks is not None:
@@ -70,6 +78,13 @@ def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None)
     """Refined trunk pairs of two shapes, the one that allows the least deformation first; TrunkError if there is none.
 
     Each is a choice: `construct_plan` makes the transform on it, `riot.construction.draft.draft_plan` also with pins.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> plans = alternatives(house, kite)
+    >>> plans[0].bound == max(plan.bound for plan in plans)
+    True
     """
     plans, unplanned = find_plans(a, b, refinement or RefineParameters())
     if not plans:

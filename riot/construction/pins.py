@@ -74,7 +74,17 @@ def draw(points: npt.ArrayLike) -> Pin:
 
 
 def load_pins(path: str | os.PathLike[str], p: Shape, q: Shape) -> Pins:
-    """Read a pins file; ``p`` and ``q`` convert from their sources' coordinates. `FormatError` says what to change."""
+    """Read a pins file; ``p`` and ``q`` convert from their sources' coordinates. `FormatError` says what to change.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> text = '{"format": "riot-pins", "version": 1, "frame": "source", "p": [{"keep": [[2, 5]]}]}'
+    >>> _ = Path("pins.json").write_text(text)
+    >>> pins = load_pins("pins.json", house, kite)  # keep the ridge of the roof
+    >>> len(pins.p), len(pins.q)
+    (1, 0)
+    """
     try:
         text = read_text(Path(path), JSON_BYTES)
     except TooManyBytes as error:

@@ -76,14 +76,26 @@ class Shape:
         return float(np.linalg.norm(np.roll(self.points, -1, axis=0) - self.points, axis=1).sum())
 
     def source(self, xy: npt.ArrayLike) -> FloatArray:
-        """Map (k, 2) points of the shape's frame to the source's coordinates."""
+        """Map (k, 2) points of the shape's frame to the source's coordinates.
+
+        >>> house.source([[0.0, 0.0]]).round(3)  # the centroid, in the polygon's own coordinates
+        array([[2.   , 2.042]])
+        """
         return np.asarray(xy, dtype=np.float64) @ self.to_source[:, :2].T + self.to_source[:, 2]
 
     def from_source(self, xy: npt.ArrayLike) -> FloatArray:
-        """Map (k, 2) points of the source's coordinates (pixels, or the polygon's own) to the shape's frame."""
+        """Map (k, 2) points of the source's coordinates (pixels, or the polygon's own) to the shape's frame.
+
+        >>> house.from_source(house.source([[0.1, 0.2]])).round(3)
+        array([[0.1, 0.2]])
+        """
         inverse = np.linalg.inv(self.to_source[:, :2])
         return (np.asarray(xy, dtype=np.float64) - self.to_source[:, 2]) @ inverse.T
 
     def renamed(self, name: str) -> Shape:
-        """The same shape under another name."""
+        """The same shape under another name.
+
+        >>> house.renamed("home").name
+        'home'
+        """
         return replace(self, name=name)

@@ -89,6 +89,13 @@ def crs(
 
     d_A exists in both directions, P's arcs in Q's trunk and the other way; the worse counts (ours). Among equals the
     first by (T, T', shift) wins.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> full = crs(house, kite)
+    >>> round(full.score, 3), full.score == min(full.s_edge, full.s_angle, full.s_area)
+    (0.951, True)
     """
     found = best_trunk_pairs(a, b, trunks_a, trunks_b, parameters, count=1)
     return found[0] if found else NO_SCORE

@@ -249,6 +249,13 @@ def qcrs(
     """Quick cross-reversibility score of two shapes and the trunk pair that gives it (paper §5.2).
 
     ``variant`` says which trunks are compared and, without ``parameters``, the sigmas.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> quick = qcrs(house, kite)
+    >>> round(quick.score, 3), len(quick.trunk_a)
+    (0.991, 4)
     """
     trunks_a, trunks_b = (compared_trunks(shape, variant, trunk_parameters) for shape in (a, b))
     found = score_block(stack([trunks_a]), stack([trunks_b]), parameters or QCRS_VARIANTS[variant])

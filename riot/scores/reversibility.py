@@ -60,6 +60,13 @@ def reversibility(shape: Shape, parameters: ReversibilityParameters | None = Non
     Ours: R is taken at the shape's boundary points (not the simplified ones), and p2 is a local maximum if
     neither of the two boundary points beside it has a greater R, visible from p1 or not. p1's own neighbours are
     not considered (R is 1 there).
+
+    >>> from riot import Shape
+    >>> disc = [(np.cos(t), np.sin(t)) for t in np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)]
+    >>> round(reversibility(Shape.from_polygon(disc)).score, 3)
+    1.0
+    >>> round(reversibility(Shape.from_polygon([(0, 0), (9, 0), (9, 1), (0, 1)])).score, 3)
+    0.679
     """
     chosen = parameters or ReversibilityParameters()
     points = np.ascontiguousarray(shape.points, dtype=np.float64)

@@ -85,7 +85,14 @@ class Trunks:
 
 
 def trunks(shape: Shape, parameters: TrunkParameters | None = None) -> Trunks:
-    """The candidate trunks of a shape for the full score; the same as `full_trunks`."""
+    """The candidate trunks of a shape for the full score; the same as `full_trunks`.
+
+    >>> from riot import Shape
+    >>> square = Shape.from_polygon([(0, 0), (1, 0), (1, 1), (0, 1)])
+    >>> candidates = trunks(square)
+    >>> square.points[candidates.of(0)].shape  # the corners of the first
+    (3, 2)
+    """
     return full_trunks(shape, parameters)
 
 

@@ -101,6 +101,9 @@ class Transform:
 
         The chain is open at ``open_hinge``. Pieces may collide on the way; a `riot.transform.motion.Motion` is a way
         on which they do not. Ours.
+
+        >>> [len(transform.parts(transform.pose(t))) for t in (0.0, 0.5, 1.0)]
+        [4, 4, 4]
         """
         if open_hinge == 0 and t in (0.0, 1.0):
             return self._closed_q if t else self._closed_p
@@ -115,16 +118,32 @@ class Transform:
         return swing(self.chain, self.place_p, self.place_q, 1.0)
 
     def parts(self, pose: Pose) -> list[FloatArray]:
-        """The n pieces' polygons in a pose, counter-clockwise, each point once."""
+        """The n pieces' polygons in a pose, counter-clockwise, each point once.
+
+        >>> pieces = transform.parts(transform.pose(0.0))  # closed as P
+        >>> pieces[0].shape[1]
+        2
+        """
         return [pose.place(i, piece.polygon) for i, piece in enumerate(self.pieces)]
 
     def outline_p(self) -> FloatArray:
-        """(m, 2) outline of the assembled P, counter-clockwise, in P's frame."""
+        """(m, 2) outline of the assembled P, counter-clockwise, in P's frame.
+
+        >>> from shapely import Polygon
+        >>> Polygon(transform.outline_p()).is_simple
+        True
+        """
         pose = self.pose(0.0)
         return np.concatenate([pose.place(i, piece.lower[:-1]) for i, piece in enumerate(self.pieces)])
 
     def outline_q(self) -> FloatArray:
-        """(m, 2) outline of the assembled Q, counter-clockwise, in Q's frame."""
+        """(m, 2) outline of the assembled Q, counter-clockwise, in Q's frame.
+
+        >>> from shapely import Polygon
+        >>> areas = [Polygon(outline).area for outline in (transform.outline_p(), transform.outline_q())]
+        >>> bool(abs(areas[0] - areas[1]) < 1e-9)  # the same pieces
+        True
+        """
         pose = self.pose(1.0)
         chain = reversed(list(enumerate(self.pieces)))
         return np.concatenate([pose.place(i, piece.upper[:-1]) for i, piece in chain])
