@@ -33,7 +33,7 @@ from table import WIDTH
 
 from riot.construction.choose import construct_plans, refine_best
 from riot.construction.given import given_pair
-from riot.construction.laplacian import construct_laplacian
+from riot.construction.laplacian.method import construct_laplacian
 from riot.construction.laplacian.residual import residuals
 from riot.construction.make import construct_plan
 from riot.construction.plan import Plan, TrunkPair, plan_pair

@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.stages.items import ErrorRow, attempt
 from pipeline.store.artifact import Artifact
 from riot.construction.given import given_pair
-from riot.construction.laplacian import construct_laplacian
+from riot.construction.laplacian.method import construct_laplacian
 from riot.construction.laplacian.residual import residuals
 from riot.construction.plan import Plan
 from riot.transform.deformation import measure_deformation

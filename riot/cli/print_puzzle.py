@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from riot.cli.size_options import add_sizes, chosen_sizes
+from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.texture.names import PATTERNS, SIDES
 from riot.errors import FabricationError
+from riot.fabricate import export
 from riot.fabricate.certificate import build, fix
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
@@ -89,20 +91,16 @@ def print_puzzle(
 def _print(chosen: argparse.Namespace) -> int:
     parameters = chosen_sizes(chosen)
     check_folder(chosen.output)
-    # Here, not above: what paints takes a second to import, and every command of riot would wait for it.
-    from riot.draw.texture.paint import find_textures
-    from riot.fabricate.export.paperwork import write_paperwork
-
     transform = load(chosen.file)
     pictures, masks = (
         {side: path for side in SIDES if (path := getattr(chosen, f"{name}_{side}"))} for name in ("texture", "mask")
     )
-    textures = find_textures(transform, pictures, masks, chosen.pattern)
+    textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern)
     paper = chosen.paper or chosen.dxf or bool(textures)
 
     def more(made: Design) -> list[Callable[[Path], None]]:
         def write(folder: Path) -> None:
-            write_paperwork(made, folder, textures, dxf=chosen.dxf)
+            export.paperwork.write_paperwork(made, folder, textures, dxf=chosen.dxf)
 
         return [write]
 

@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
+from riot import slices  # lazy: what cuts and builds takes a second to import
 from riot.cli.size_options import add_sizes, chosen_sizes
 from riot.errors import TrunkError
+from riot.fabricate import export
 from riot.fabricate.export.folder import check_folder
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
@@ -25,12 +27,8 @@ from riot.parameters.method import ShapeParameters
 from riot.transform.deformation import overlap_ratios
 
 if TYPE_CHECKING:
-    from riot.slices.assign import Shortlist
-    from riot.slices.cut import Stack
-    from riot.slices.make import Outcome, Puzzle
-
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
-    Search = Callable[[Sequence[Shape], int], Sequence[Shortlist]]
+    Search = Callable[[Sequence[Shape], int], Sequence[slices.Shortlist]]
     # The shortlists of some slices' shapes, each of so many at most.
 
 MADE, SOME_FAILED = 0, 3
@@ -83,10 +81,8 @@ def given(words: Sequence[str]) -> Search:
     """Counterparts in the files that ``--into`` names; raises `riot.errors.SilhouetteError`, OSError."""
     shapes = _named([path for word in words for path in _paths(word)])
 
-    def search(slices: Sequence[Shape], keep: int) -> Sequence[Shortlist]:
-        from riot.slices.assign import shortlists
-
-        return shortlists(slices, shapes, keep)
+    def search(cuts: Sequence[Shape], keep: int) -> Sequence[slices.Shortlist]:
+        return slices.shortlists(cuts, shapes, keep)
 
     return search
 
@@ -115,42 +111,34 @@ def slice_model(chosen: argparse.Namespace, search: Search, sampling: ShapeParam
     parameters = chosen_sizes(chosen)
     if chosen.candidates < 1:
         raise TrunkError(f"--candidates {chosen.candidates}: try one at least")
-    # Here, not above: what cuts and draws takes a second to import, and every command of riot would wait for it.
-    from riot.slices.cut import Cut, cut
-    from riot.slices.files import write_set
-    from riot.slices.make import make_puzzles
-    from riot.slices.model import read_model
-
-    how = Cut(chosen.count, chosen.thickness, chosen.size, chosen.along, parameters.layer_mm)
-    stack = cut(read_model(chosen.model), how)
+    how = slices.Cut(chosen.count, chosen.thickness, chosen.size, chosen.along, parameters.layer_mm)
+    stack = slices.cut(slices.read_model(chosen.model), how)
     warm_all(_say)
     # With so many candidates each, as many slices as there are can take one of their own.
     keep = max(chosen.candidates, len(stack.slices)) if chosen.distinct else chosen.candidates
-    outcomes = make_puzzles(
+    outcomes = slices.make_puzzles(
         stack,
-        lambda slices: search(slices, keep),
+        lambda shapes: search(shapes, keep),
         parameters,
         distinct=chosen.distinct,
         mend=chosen.fix,
         sampling=sampling,
         note=_say,
     )
-    write_set(stack, outcomes, chosen.output, _paperwork if chosen.paper else None)
+    slices.files.write_set(stack, outcomes, chosen.output, _paperwork if chosen.paper else None)
     _print_table(stack, outcomes)
     print(chosen.output)
     return MADE if all(each.puzzle is not None for each in outcomes) else SOME_FAILED
 
 
-def _paperwork(puzzle: Puzzle) -> list[Callable[[Path], None]]:
-    from riot.fabricate.export.paperwork import write_paperwork
-
+def _paperwork(puzzle: slices.Puzzle) -> list[Callable[[Path], None]]:
     def write(folder: Path) -> None:
-        write_paperwork(puzzle.built.design, folder, dxf=False)
+        export.paperwork.write_paperwork(puzzle.built.design, folder, dxf=False)
 
     return [write]
 
 
-def _print_table(stack: Stack, outcomes: Sequence[Outcome]) -> None:
+def _print_table(stack: slices.Stack, outcomes: Sequence[slices.Outcome]) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=PIPED_WIDTH)

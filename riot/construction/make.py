@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from riot.construction.draft import draft_plan
-from riot.construction.laplacian import construct_laplacian
+from riot.construction.laplacian.method import construct_laplacian
 from riot.construction.pins import Pins
 from riot.construction.plan import Plan
 from riot.errors import ConstructionError

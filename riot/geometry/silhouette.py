@@ -18,6 +18,7 @@ from riot.geometry import polyline
 from riot.geometry.crossings import TangleError, refuse_tangles
 from riot.geometry.picture import Picture, decode
 from riot.geometry.shape import Shape
+from riot.geometry.svg_outline import looks_like_svg, outline
 from riot.parameters.method import ShapeParameters
 from riot.types import BoolArray, FloatArray
 from riot.units import L_C
@@ -52,8 +53,6 @@ def read(path: str | os.PathLike[str], parameters: ShapeParameters | None = None
 
     The shape's name is the file's, without suffix. Raises `SilhouetteError` as `read_image` and `read_svg`.
     """
-    from riot.geometry.svg_outline import looks_like_svg
-
     return read_svg(path, parameters) if looks_like_svg(path) else read_image(path, parameters)
 
 
@@ -85,8 +84,6 @@ def read_svg(path: str | os.PathLike[str], parameters: ShapeParameters | None = 
     SilhouetteError
         ``unreadable``, ``unsupported``, ``empty``, ``degenerate``, ``self-crossing``, ``too-large``.
     """
-    from riot.geometry.svg_outline import outline
-
     chosen = parameters or ShapeParameters()
     return _outline_shape(outline(path), Path(path).stem, str(path), chosen, y_down=True)
 

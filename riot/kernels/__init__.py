@@ -1,1 +1,5 @@
-"""Numba kernels: plain arrays in and out, one module a hot loop; geometry, policy and files stay outside."""
+"""Numba kernels: plain arrays in and out, one module a hot loop; geometry, policy and files stay outside.
+
+Fast mathematics stay off (`options`), so that the same input gives the same bits in every process. A module's ``warm``
+compiles its kernels; an edit compiles them again, which takes minutes (tests/unit/test_kernels.py).
+"""

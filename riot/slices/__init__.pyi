@@ -4,6 +4,7 @@ from . import make as make
 from . import model as model
 from . import picture as picture
 from . import render as render
+from .assign import Shortlist as Shortlist
 from .assign import shortlists as shortlists
 from .cut import Cut as Cut
 from .cut import Slice as Slice

@@ -1,5 +1,9 @@
-"""The paper's construction: arcs swung into the trunk are pushed until they tile it, nearly (paper §4.3, theory §8)."""
+"""The paper's own construction, by Laplacian editing (paper §4.3), kept to compare with: not exact.
 
-from riot.construction.laplacian.method import construct_laplacian
+Its pieces overlap and leave gaps; `residual` measures how much. It knows no pins and no certificate, and the same plan
+gives the same bytes (tests/property/test_laplacian_construction.py, test_laplacian_editing.py).
+"""
 
-__all__ = ["construct_laplacian"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
