@@ -26,6 +26,7 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 	$(BIN)/python -m pytest
 
 # The stages of dvc.yaml; then `dvc metrics show`, `dvc plots show`, with $(BIN) in the PATH. DVC brings some seventy

@@ -13,6 +13,8 @@ all their rounding can be (`slack`). The leaf pairs of least bound are tried fir
 What is written here for the machine: loops over `LEAF` or `WIDE` lanes without branches, which LLVM vectorises;
 indices that cannot be negative (constants, ranges, unsigned numbers), which spare Python's wrap-around; kernels without
 arrays of their own (`inner`), which spare reference counts; sums over n corners unrolled for each small n.
+
+What it reads is laid out in a `riot.kernels.forest.Forest`.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from riot.kernels.options import inlined, inner, kernel
-from riot.scores.forest import Forest, Int32Array, Scale, Single
+from riot.kernels.forest import Forest, Int32Array, Scale, Single
 from riot.types import FloatArray, IntArray
 
 # As in riot.kernels.leaves (a test compares): Numba freezes what it imports, so each kernel module has its own.

@@ -1,5 +1,4 @@
 from . import crs as crs
-from . import forest as forest
 from . import index as index
 from . import leaves as leaves
 from . import qcrs as qcrs

@@ -1,4 +1,7 @@
-"""What QCRS's search reads: the trunks of some shapes laid out for it, and the units of its distances (ours)."""
+"""What QCRS's search reads: the trunks of some shapes laid out for it, and the units of its distances (ours).
+
+Tuples of arrays, which a kernel takes as they are; `riot.scores.qcrs.lay_out_forest` fills them.
+"""
 
 from __future__ import annotations
 
