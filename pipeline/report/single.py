@@ -11,7 +11,8 @@ from pipeline.report.markup import document, facts, hidden_definitions, number, 
 from pipeline.report.rows import TransformRow
 from riot.draw.svg import escape
 from riot.motion.planner import motion_of
-from riot.transform.history import History, told
+from riot.transform.history import History
+from riot.transform.provenance import describe_history
 from riot.transform.transform import Transform
 
 
@@ -80,7 +81,7 @@ def _puzzle(puzzle: Mapping[str, Any] | None) -> str:
 def _history(history: History | None) -> str:
     if history is None:
         return section("history", "Where it comes from", '<p class="empty">The file does not tell.</p>')
-    lines = escape("\n".join(told(history)))
+    lines = escape("\n".join(describe_history(history)))
     note = "By content: no path, time or host. Equal inputs, code and libraries give an equal history."
     shown = f'<details><summary>pictures, parameters, code and libraries</summary><pre class="scroll">{lines}</pre>'
     return section("history", "Where it comes from", f'<div class="sheet">{shown}</details></div>', note)

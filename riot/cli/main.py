@@ -45,8 +45,9 @@ from riot.scores.qcrs import qcrs
 from riot.transform.certificate import certify
 from riot.transform.deformation import change_ratio, measure_deformation
 from riot.transform.fidelity import bending_ratio, direction_error
-from riot.transform.history import History, file_digest, made_here, told
+from riot.transform.history import History
 from riot.transform.motion import Motion
+from riot.transform.provenance import describe_history, file_digest, record_history
 from riot.transform.riot_file import load, save
 from riot.transform.transform import Transform
 
@@ -137,7 +138,7 @@ def _history(path_a: Path, path_b: Path, parameters: ConstructParameters, wishes
         "construct": {**asdict(parameters), "rank": wishes.rank, "pins": pins},
         "motion": asdict(MotionParameters()),
     }
-    return made_here("riot make", (path_a, path_b), steps)
+    return record_history("riot make", (path_a, path_b), steps)
 
 
 def _ranked(plans: Sequence[Plan], rank: int) -> Plan:
@@ -240,7 +241,7 @@ def _show(chosen: argparse.Namespace) -> int:
     elif transform.history is None:
         print(f"{chosen.file} tells no history: it was written by an earlier version, or by hand")
     else:
-        print("\n".join(told(transform.history)))
+        print("\n".join(describe_history(transform.history)))
     return 0
 
 

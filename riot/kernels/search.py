@@ -24,8 +24,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from riot.kernels.options import inlined, inner, kernel
 from riot.kernels.forest import Forest, Int32Array, Scale, Single
+from riot.kernels.options import inlined, inner, kernel
 from riot.types import FloatArray, IntArray
 
 # As in riot.kernels.leaves (a test compares): Numba freezes what it imports, so each kernel module has its own.

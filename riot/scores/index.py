@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from riot.kernels.forest import Forest
 from riot.kernels.search import partners
 from riot.parameters.method import QcrsParameters
-from riot.kernels.forest import Forest
 from riot.scores.leaves import gather_leaves
 from riot.scores.qcrs import BlockScores, TrunkStack, distance_of, lay_out_forest, scale_of
 

@@ -6,5 +6,6 @@ from . import motion as motion
 from . import motion_document as motion_document
 from . import once as once
 from . import pose as pose
+from . import provenance as provenance
 from . import riot_file as riot_file
 from . import transform as transform

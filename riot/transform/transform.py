@@ -13,14 +13,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from riot.geometry.shape import Shape
-from riot.transform.history import History
-from riot.transform.motion import Motion
 from riot.transform.pose import Chain, Placement, Pose, swing
 from riot.types import FloatArray
+
+if TYPE_CHECKING:  # a transform computes nothing with them: what makes one does not depend on their code
+    from riot.transform.history import History
+    from riot.transform.motion import Motion
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,8 @@ from riot import Transform
 from riot.cli.main import main
 from riot.errors import FormatError
 from riot.groundtruth.pairs import exact_pair, exact_transform
-from riot.transform.history import History, Step, code_digest, made_here, told
+from riot.transform.history import History, Step
+from riot.transform.provenance import code_digest, describe_history, record_history
 from riot.transform.riot_file import from_json, to_json
 
 HISTORY = History(
@@ -44,7 +45,7 @@ def test_a_damaged_history_is_refused(field: str, value: object) -> None:
 
 
 def test_it_is_told_line_by_line() -> None:
-    assert list(told(HISTORY)) == [
+    assert list(describe_history(HISTORY)) == [
         "made by: riot make",
         f"picture P: sha256 {'a' * 64}",
         f"picture Q: sha256 {'b' * 64}",
@@ -96,7 +97,7 @@ def test_made_twice_in_two_places_the_file_is_the_same_and_tells(
     for words in ("made by: riot make", "construct: code ", "  method = exact", "  tau_s = 0.1", "numba "):
         assert words in said
     made = Transform.load(files[0]).history
-    assert made is not None and made == made_here(
+    assert made is not None and made == record_history(
         "riot make", (house, kite), {step.name: step.parameters for step in made.steps}
     )
 
