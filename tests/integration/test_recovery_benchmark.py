@@ -22,9 +22,9 @@ from pipeline.study.hidden import failed_test, hide
 from pipeline.study.partners import changed
 from pipeline.study.statistics import wilson
 from riot import groundtruth
-from riot.parameters import TrunkParameters
-from riot.polyline import edge_lengths, signed_area
-from riot.trunks import full_trunks, quick_trunks
+from riot.parameters.method import TrunkParameters
+from riot.geometry.polyline import edge_lengths, signed_area
+from riot.scores.trunks import full_trunks, quick_trunks
 
 told = {"wilson": wilson(9, 10), "all": wilson(20, 20), "none": wilson(0, 20)}
 (first, second), left_out = hide(2, [3, 4])

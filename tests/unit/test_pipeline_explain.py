@@ -29,7 +29,7 @@ def parts(**changes: Any) -> KeyParts:
     ("changes", "words"),
     [
         ({"parameters": {"crs": {"lines": 64, "sigma_e": 0.1}}}, "parameters.crs.lines 128 → 64"),
-        ({"code": {"riot.scores.crs": "bbbbbbbbbbbb"}}, "code.riot.cross aaaaaaaa → bbbbbbbb"),
+        ({"code": {"riot.scores.crs": "bbbbbbbbbbbb"}}, "code.riot.scores.crs aaaaaaaa → bbbbbbbb"),
         ({"code": {"riot.scores.crs": "aaaaaaaaaaaa", "riot.new": "cccccccccccc"}}, "code.riot.new absent → cccccccc"),
         ({"versions": {"numpy": "2.1"}}, "versions.numpy '2.0' → '2.1'"),
         ({"inputs": ("a", "c")}, "inputs: 1 of 2 are new"),
