@@ -202,7 +202,9 @@ def test_every_shape_of_the_sample() -> None:
 
 
 def test_sample_is_the_same_in_every_process() -> None:
-    code = "from pipeline.datasets import sample; print(hash(str(sample.definitions())) * 0, sample.definitions()[7:90:9])"
+    code = (
+        "from pipeline.datasets import sample; print(hash(str(sample.definitions())) * 0, sample.definitions()[7:90:9])"
+    )
     runs = [
         subprocess.run(
             [sys.executable, "-c", code], check=True, capture_output=True, text=True, env={"PYTHONHASHSEED": seed}
