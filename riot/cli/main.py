@@ -21,6 +21,7 @@ from riot.construction.choose import alternatives, construct
 from riot.construction.make import construct_plan
 from riot.construction.pins import load_pins
 from riot.construction.plan import Plan
+from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.animate import animate_svg
 from riot.draw.figure import draw_transform
 from riot.draw.film import film_writer, write_film
@@ -184,11 +185,8 @@ def _piece_images(
 ) -> PieceImages:
     if not pictures:
         return NO_IMAGES
-    # Here, not above: what paints takes long to import.
-    from riot.draw.texture.paint import find_textures
-    from riot.draw.texture.sample import piece_images
-
-    return piece_images(transform, find_textures(transform, pictures, masks))
+    textures = texture.paint.find_textures(transform, pictures, masks)
+    return texture.sample.piece_images(transform, textures)
 
 
 def _written(transform: Transform, stem: Path, films: Sequence[str], images: PieceImages) -> Iterator[Path]:

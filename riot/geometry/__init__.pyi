@@ -1,3 +1,4 @@
+from . import contour as contour
 from . import crossings as crossings
 from . import limits as limits
 from . import machine_errors as machine_errors

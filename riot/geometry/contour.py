@@ -1,0 +1,140 @@
+"""From the pixels of a picture to the outline of the object in it (paper §6)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy import ndimage
+from skimage.filters import threshold_otsu
+from skimage.measure import find_contours
+
+from riot.errors import SilhouetteError
+from riot.geometry import polyline
+from riot.geometry.picture import Picture
+from riot.parameters.method import ShapeParameters
+from riot.types import BoolArray, FloatArray
+
+_FINE_SIDE = 512.0
+"""Objects with a greater √area, in pixels, are averaged down: the contour stays finer than the sampling."""
+
+_FAITHFUL = 0.02
+"""A contour whose area differs by more than this share from the pixels' is traced again with less smoothing."""
+
+
+def find_object(picture: Picture, where: str, parameters: ShapeParameters) -> tuple[FloatArray, BoolArray]:
+    """Find the object in a picture: its share of each pixel, in [0, 1], and its largest component's pixels, filled.
+
+    ``where`` names the picture in errors.
+
+    Raises
+    ------
+    SilhouetteError
+        ``one-colour``, ``all-border``, ``too-small``.
+    """
+    grey = picture.grey
+    if grey.min() == grey.max():
+        raise SilhouetteError(
+            "one-colour", f"{where}: all pixels are alike; the picture must show an object on a background"
+        )
+    if min(grey.shape) < 3:
+        raise SilhouetteError("all-border", f"{where}: every pixel is on the border; add a margin to the picture")
+    low, high = _two_levels(grey)
+    ramp = np.clip((grey - low) * (1.0 / (high - low)), 0.0, 1.0)
+    light = ramp > 0.5
+    border = np.concatenate([light[0], light[-1], light[1:-1, 0], light[1:-1, -1]])
+    if not picture.opaque_object and 2 * int(border.sum()) > len(border):
+        light, ramp = ~light, 1.0 - ramp
+    component = _largest(_filled(light))
+    count = int(component.sum()) * picture.factor**2
+    if count < parameters.min_pixels:
+        raise SilhouetteError(
+            "too-small",
+            f"{where}: the object has {count} pixels, fewer than {parameters.min_pixels}; "
+            "use a larger picture or lower min_pixels",
+        )
+    return ramp, component
+
+
+def _two_levels(grey: FloatArray) -> tuple[float, float]:
+    """Mean grey of the dark and of the light pixels, parted by Otsu's threshold on 256 levels."""
+    least, most = float(grey.min()), float(grey.max())
+    levels = ((grey - least) * (255.0 / (most - least))).astype(np.uint8)
+    counts = np.bincount(levels.ravel(), minlength=256)
+    split = int(threshold_otsu(hist=counts)) + 1
+    dark, light = counts[:split], counts[split:]
+    step = (most - least) / 255.0
+    low = float(np.dot(dark, np.arange(split)) / dark.sum())
+    high = float(np.dot(light, np.arange(split, 256)) / light.sum())
+    return least + step * low, least + step * high
+
+
+def _filled(light: BoolArray) -> BoolArray:
+    """Fill what the outside cannot reach, not even over corners: contours never touch themselves."""
+    outside, _ = ndimage.label(np.pad(~light, 1, constant_values=True), structure=np.ones((3, 3)))
+    return np.asarray(outside[1:-1, 1:-1] != outside[0, 0], dtype=np.bool_)
+
+
+def _largest(light: BoolArray) -> BoolArray:
+    """The component, connected over edges, with the most pixels; of equals the first in reading order."""
+    labels, count = ndimage.label(light)
+    if count == 1:
+        return light
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return np.asarray(labels == int(sizes.argmax()), dtype=np.bool_)
+
+
+def trace_contour(ramp: FloatArray, component: BoolArray, smoothing: float, where: str) -> FloatArray:
+    """Trace the outline of a component at sub-pixel accuracy: (m, 2) as (column, row), in pixels.
+
+    ``ramp`` (rows, columns) is the object's share of each pixel; ``smoothing`` the standard deviation of a Gaussian, in
+    pixels, which is lowered where it would change the area. Raises SilhouetteError ``degenerate``.
+    """
+    rows, columns = np.flatnonzero(component.any(axis=1)), np.flatnonzero(component.any(axis=0))
+    top, left = int(rows[0]), int(columns[0])
+    box = (slice(top, int(rows[-1]) + 1), slice(left, int(columns[-1]) + 1))
+    inside = component[box]
+    step = max(1, int(math.sqrt(inside.sum()) / _FINE_SIDE))
+    margin = step * (2 + math.ceil(4.0 * smoothing))
+    extra = [-n % step for n in inside.shape]
+    inside = np.pad(inside, ((margin, margin + extra[0]), (margin, margin + extra[1])))
+    near = np.pad(ramp[box], ((margin, margin + extra[0]), (margin, margin + extra[1])))
+    # Grey values count beside the outline only, and may not move it to another component.
+    field = np.where(inside, np.maximum(near, 0.5), np.minimum(near, 0.5))
+    all_sides, any_side = _with_neighbours(inside)
+    field[all_sides] = 1.0
+    field[~any_side] = 0.0
+    if step > 1:
+        field = field.reshape(field.shape[0] // step, step, field.shape[1] // step, step).mean(axis=(1, 3))
+    area = float(field.sum())
+    for sigma in (smoothing, smoothing / 2.0, 0.0):
+        smooth = ndimage.gaussian_filter(field, sigma, mode="constant") if sigma > 0.0 else field
+        # "low": the background connects over corners, the object does not, as in the labelling above.
+        contours = find_contours(smooth, 0.5, fully_connected="low")
+        if not contours:
+            continue
+        contour = max(contours, key=lambda points: abs(polyline.signed_area(points[:-1])))[:-1]
+        if sigma == 0.0 or abs(abs(polyline.signed_area(contour)) - area) <= _FAITHFUL * area:
+            break
+    else:
+        raise SilhouetteError("degenerate", f"{where}: the object is too thin for an outline; use a larger picture")
+    pixels = contour[:, ::-1] * step + ((step - 1) / 2.0 - margin)
+    return np.asarray(pixels + np.array([left, top]), dtype=np.float64)
+
+
+def _with_neighbours(inside: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """Pixels that are inside with all four neighbours; pixels that are, or have a neighbour, inside.
+
+    The array's own border must be outside.
+    """
+    rows = inside[:-1] & inside[1:]
+    columns = inside[:, :-1] & inside[:, 1:]
+    all_sides = np.zeros_like(inside)
+    all_sides[1:-1, 1:-1] = rows[:-1, 1:-1] & rows[1:, 1:-1] & columns[1:-1, :-1] & columns[1:-1, 1:]
+    any_side = inside.copy()
+    any_side[1:] |= inside[:-1]
+    any_side[:-1] |= inside[1:]
+    any_side[:, 1:] |= inside[:, :-1]
+    any_side[:, :-1] |= inside[:, 1:]
+    return all_sides, any_side
