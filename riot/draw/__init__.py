@@ -2,7 +2,7 @@
 
 Every picture is a `riot.draw.scene.Scene`: SVG, PNG and PDF show the same, and the same transform gives the same bytes.
 Pictures change no result: nothing below imports this package, so that no score is computed again when a colour changes
-(tests/unit/test_draw.py, test_motion_pictures.py, test_piece_images.py, test_layers.py).
+(tests/unit/test_draw.py, test_scene_files.py, test_motion_pictures.py, test_piece_images.py, test_layers.py).
 """
 
 import lazy_loader

@@ -9,6 +9,7 @@ from . import pdf as pdf
 from . import piece_image as piece_image
 from . import raster as raster
 from . import scene as scene
+from . import solid as solid
 from . import strip as strip
 from . import svg as svg
 from . import texture as texture

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import manifold3d
 import numpy as np
-import shapely
-from matplotlib.colors import to_rgb
 
 from riot.draw.files import write_scene
 from riot.draw.palette import LIGHT, PIECES, hue
 from riot.draw.panels import deformation_marks, sketch
-from riot.draw.scene import Label, Mark, Region, Scene, extent, moved
-from riot.fabricate.export.paper import MM_PER_INCH, Page, new_page, png_bytes
+from riot.draw.raster import png_bytes
+from riot.draw.scene import Bitmap, Label, Mark, Region, Scene, extent, moved
+from riot.draw.solid import Body, Eye, View, mesh, prisms, render
+from riot.fabricate.export.paper import rings
 from riot.slices.cut import Slice, Stack
 from riot.slices.make import Outcome, Puzzle
-from riot.slices.render import Body, View, render
 from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
-from riot.types import FloatArray
 
 ACROSS = 560
 """The longest of the three views is so many pixels wide or high."""
@@ -29,10 +27,9 @@ ACROSS = 560
 TURNED_APART = 1.0
 """Turned slices stand so many thicknesses apart."""
 
-PIXEL_MM = 0.15
-"""Of the page; letters are as large beside a small object as beside a large one."""
+EYE = Eye(math.radians(-60.0), math.radians(24.0))
 
-_MARGIN, _CAPTION = 40, 60
+_MARGIN, _CAPTION, _LETTERS = 40, 60, 21.0
 _OBJECT = "#b9bec6"
 _GAP, _LINE = 0.25, 13.0
 _PENS_ACROSS = 1100.0
@@ -54,15 +51,16 @@ def draw_overview(stack: Stack, outcomes: Sequence[Outcome], path: Path) -> None
         slices += _pieces(each.puzzle, 0.0, each.slice.low)
         turned += _pieces(each.puzzle, 1.0, (each.slice.number - 1) * turned_lift)
     groups = [
-        (_upright(stack, [_body(stack.solid, _OBJECT)]), stack.name),
+        (_upright(stack, [Body(*mesh(stack.solid), _OBJECT)]), stack.name),
         (_upright(stack, slices), f"{len(stack.slices)} slices of {stack.thickness:g} mm, along {stack.along}"),
         (turned, "turned inside out"),
     ]
     longest = max(
         stack.height, *(float(np.ptp(np.concatenate([b.points for b in g]), axis=0).max()) for g, _ in groups if g)
     )
-    views = [(render(bodies, longest / ACROSS), words) for bodies, words in groups if bodies]
-    path.write_bytes(png_bytes(_page(views), MM_PER_INCH / PIXEL_MM))
+    views = [(render(bodies, longest / ACROSS, EYE), words) for bodies, words in groups if bodies]
+    scene = _side_by_side(views)
+    path.write_bytes(png_bytes(scene, round(scene.box[2])))
 
 
 def draw_slices(outcomes: Sequence[Outcome], path: Path) -> None:
@@ -126,7 +124,7 @@ def _pieces(puzzle: Puzzle, t: float, lift: float) -> list[Body]:
     for i, part in enumerate(pieces):
         points, triangles = part.mesh()
         flat = design.place(pose, i, points[:, :2]) + shift
-        colour = to_rgb(PIECES[hue(i, len(pieces))])
+        colour = PIECES[hue(i, len(pieces))]
         bodies.append(Body(np.column_stack([flat, points[:, 2] + lift]), triangles, colour))
     return bodies
 
@@ -135,28 +133,18 @@ def _upright(stack: Stack, bodies: Sequence[Body]) -> list[Body]:
     return [replace(body, points=stack.upright(body.points)) for body in bodies]
 
 
-def _prism(each: Slice) -> Body:
-    ring: FloatArray = shapely.get_coordinates(each.outline.exterior)[:-1]
-    solid = manifold3d.Manifold.extrude(manifold3d.CrossSection([ring]), each.high - each.low)
-    return _body(solid.translate((0.0, 0.0, each.low)), LIGHT["shade"])
+def _prism(slice_: Slice) -> Body:
+    return Body(*prisms([(slice_.low, slice_.high, rings(slice_.outline))]), LIGHT["shade"])
 
 
-def _body(solid: manifold3d.Manifold, colour: str) -> Body:
-    mesh = solid.to_mesh64()
-    points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
-    return Body(points, np.array(mesh.tri_verts, dtype=np.int64), to_rgb(colour))
-
-
-def _page(views: Sequence[tuple[View, str]]) -> Page:
-    """The views side by side on one ground, each with a line below."""
-    sizes = [view.pixels.shape[:2] for view, _ in views]
-    width = _MARGIN + sum(columns + _MARGIN for _, columns in sizes)
-    height = max(rows for rows, _ in sizes) + _MARGIN + _CAPTION
-    page = new_page(width * PIXEL_MM, height * PIXEL_MM)
-    left = _MARGIN
-    for (view, words), (rows, columns) in zip(views, sizes, strict=True):
-        box = (left * PIXEL_MM, _CAPTION * PIXEL_MM, (left + columns) * PIXEL_MM, (_CAPTION + rows) * PIXEL_MM)
-        page.image(view.pixels, box, shapely.box(*box))
-        page.text(0.5 * (box[0] + box[2]), 0.4 * _CAPTION * PIXEL_MM, words, anchor="center")
-        left += columns + _MARGIN
-    return page
+def _side_by_side(views: Sequence[tuple[View, str]]) -> Scene:
+    """The views on one ground, each with a line below; the unit is the pixel."""
+    marks: list[Mark] = []
+    left, top = _MARGIN, 0
+    for view, words in views:
+        rows, columns = view.pixels.shape[:2]
+        marks.append(Bitmap(view.pixels, (left, _CAPTION, left + columns, _CAPTION + rows)))
+        marks.append(Label(left + 0.5 * columns, 0.4 * _CAPTION, words, size=_LETTERS))
+        left, top = left + columns + _MARGIN, max(top, rows)
+    title = "; ".join(words for _, words in views)
+    return Scene(title, (0.0, 0.0, float(left), float(top + _MARGIN + _CAPTION)), 1.0, (), tuple(marks))

@@ -8,17 +8,18 @@ from typing import get_args
 
 import manifold3d
 import numpy as np
+import numpy.typing as npt
 import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from riot.draw.solid import Body, Eye, nearest_triangles, prisms, render
 from riot.slices import Cut, Model, ModelError, cut
 from riot.slices.assign import assign
 from riot.slices.cut import AXES, Axis, section
-from riot.slices.render import _buffer
-from riot.types import FloatArray
+from riot.types import BoolArray, FloatArray
 
 SIDES = 64
 SPAN = st.floats(5.0, 80.0)
@@ -248,7 +249,7 @@ def test_the_nearest_triangle_is_seen(seed: int) -> None:
     rng = np.random.default_rng(seed)
     rows, columns, count = 17, 23, 12
     corners = rng.uniform(0.0, 1.0, (count, 3, 3)) * np.array([columns, rows, 5.0])
-    owner, bright = _buffer(corners, np.arange(count) / count, np.arange(count), rows, columns)
+    nearest_triangle = nearest_triangles(corners, rows, columns)
     x, y = np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5)
     nearest, expected = np.full((rows, columns), -np.inf), np.full((rows, columns), -1)
     for k, (a, b, c) in enumerate(corners):
@@ -258,5 +259,29 @@ def test_the_nearest_triangle_is_seen(seed: int) -> None:
         depth = a[2] + s * (b - a)[2] + t * (c - a)[2]
         better = (whole > 0) & (s >= 0) & (t >= 0) & (s + t <= 1) & (depth > nearest)
         nearest[better], expected[better] = depth[better], k
-    assert (owner == expected).all()
-    assert bright[owner >= 0] == pytest.approx(owner[owner >= 0] / count)
+    assert (nearest_triangle == expected).all()
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(-3.0, 3.0), st.floats(0.2, 1.4), arrays(np.float64, (5, 2), elements=st.floats(-50.0, 50.0)))
+def test_the_eye_finds_a_plane_point_again(azimuth: float, elevation: float, points: FloatArray) -> None:
+    eye = Eye(azimuth, elevation)
+    view = eye.view(np.column_stack([points, np.full(5, 7.0)]))
+    assert eye.on_plane(view[:, 0], view[:, 1], 7.0) == pytest.approx(points, abs=1e-9)
+
+
+@pytest.mark.parametrize("elevation", [0.5, 0.9, 1.3])
+def test_a_box_is_seen_at_its_size_with_its_top_over_its_walls(elevation: float) -> None:
+    square = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]])
+
+    def red(points: FloatArray) -> tuple[BoolArray, npt.NDArray[np.uint8]]:
+        return np.ones(len(points), dtype=np.bool_), np.tile(np.array([255, 0, 0], dtype=np.uint8), (len(points), 1))
+
+    body = Body(*prisms([(0.0, 4.0, (square,)), (4.0, 10.0, (square,))]), "#4683c5", red)
+    view = render([body], 0.1, Eye(math.radians(-90.0), elevation))
+    top = (view.pixels == [255, 0, 0]).all(axis=2)
+    wall = ~top & (view.pixels < 250).any(axis=2)
+    # Less what the edges take.
+    assert 0.95 * 400.0 * math.sin(elevation) < top.sum() * 0.01 <= 400.0 * math.sin(elevation)
+    assert wall.sum() * 0.01 == pytest.approx(200.0 * math.cos(elevation), rel=0.1, abs=8.0)
+    assert np.flatnonzero(top.any(axis=1)).max() < np.flatnonzero(wall[:, 100]).max()

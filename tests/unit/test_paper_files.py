@@ -11,20 +11,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from matplotlib.text import Text
 from PIL import Image
 
 from riot.draw.files import PictureFormatError
+from riot.draw.scene import Label, Region, Scene
 from riot.draw.texture.names import Side
 from riot.draw.texture.paint import PlainTexture, find_textures
 from riot.draw.texture.source import ByteArray
 from riot.fabricate import Design, FabricationParameters, design
 from riot.fabricate.export.flat import FlatFormatError
-from riot.fabricate.export.page import write_page
-from riot.fabricate.export.paper import Frame, Page
+from riot.fabricate.export.page import page_scenes, write_page
+from riot.fabricate.export.paper import Frame
 from riot.fabricate.export.paperwork import write_paperwork
-from riot.fabricate.export.picture import DOTS_PER_INCH, ELEVATION, draw_puzzle
-from riot.fabricate.export.sheets import face, painted, sheet_pages, write_sheets
+from riot.fabricate.export.picture import DOTS_PER_INCH, EYE, draw_puzzle
+from riot.fabricate.export.sheets import face, face_pixels, sheet_scenes, write_sheets
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.types import FloatArray
 
@@ -52,9 +52,11 @@ def made() -> Design:
     return design(exact_transform(exact_pair(4, 3)), FabricationParameters(size_mm=150.0))
 
 
-def cuts(pages: list[Page]) -> list[shapely.Polygon]:
+def cuts(pages: list[Scene]) -> list[shapely.Polygon]:
     """The cut lines on the pages."""
-    return [shapely.Polygon(patch.get_path().to_polygons()[0]) for page in pages for patch in page.axes.patches]
+    marks = [mark for page in pages for mark in page.marks if isinstance(mark, Region)]
+    assert all(mark.pen == "cut" for mark in marks)
+    return [shapely.Polygon(mark.rings[0]) for mark in marks]
 
 
 @pytest.mark.parametrize("mirror", [None, 210.0])
@@ -71,11 +73,11 @@ def test_frames_lead_there_and_back(mirror: float | None) -> None:
 
 @pytest.mark.parametrize("side", SIDES)
 def test_sheets_are_at_true_size(made: Design, side: Side) -> None:
-    pages = sheet_pages(made, PlainTexture(4), side, 40.0)
+    pages = sheet_scenes(made, PlainTexture(4), side, 40.0)
     faces = [face(made, i, side) for i in range(len(made.pieces))]
     found = cuts(pages)
     assert sorted(cut.area for cut in found) == pytest.approx(sorted(part.area for part in faces), rel=1e-9)
-    page = shapely.box(0.0, 0.0, pages[0].width, pages[0].height)
+    page = shapely.box(*pages[0].box)
     for k, cut in enumerate(found):
         assert page.buffer(-10.0).contains(cut)
         assert all(cut.distance(other) > 4.0 for other in found[:k])
@@ -102,8 +104,8 @@ def test_pdf_pages_are_paper(made: Design, tmp_path: Path) -> None:
 
 
 def test_back_is_the_mirrored_front(made: Design) -> None:
-    front = [cut.centroid.x for cut in cuts(sheet_pages(made, PlainTexture(4), "p", 40.0))]
-    back = [cut.centroid.x for cut in cuts(sheet_pages(made, PlainTexture(4), "q", 40.0))]
+    front = [cut.centroid.x for cut in cuts(sheet_scenes(made, PlainTexture(4), "p", 40.0))]
+    back = [cut.centroid.x for cut in cuts(sheet_scenes(made, PlainTexture(4), "q", 40.0))]
     # The two faces of a piece differ by its hinges alone.
     assert [210.0 - x for x in back] == pytest.approx(front, abs=1.5)
 
@@ -113,7 +115,7 @@ def test_colours_are_where_the_pieces_have_them(made: Design, side: Side) -> Non
     mirror = 210.0 if side == "q" else None
     frame, region = Frame(0.5, 90.0, 70.0, mirror), face(made, 2, side)
     on_paper = frame.region(region)
-    pixels, (x0, _, _, y1) = painted(made, Places(), side, 2, frame, on_paper, 0.5)
+    pixels, (x0, _, _, y1) = face_pixels(made, Places(), side, 2, frame, on_paper, 0.5)
     pose = made.transform.pose(0.0 if side == "p" else 1.0)
     for point in (region.representative_point().coords[0], shapely.maximum_inscribed_circle(region).coords[0]):
         c, s = math.cos(0.5), math.sin(0.5)
@@ -129,35 +131,25 @@ def test_large_pieces_get_large_paper(made: Design) -> None:
     large = replace(
         made, pieces=tuple(replace(piece, outline=3.0 * piece.outline) for piece in made.pieces), scale=3.0 * made.scale
     )
-    page = sheet_pages(large, PlainTexture(4), "p", 10.0)[0]
-    assert page.width > 210.0
+    page = sheet_scenes(large, PlainTexture(4), "p", 10.0)[0]
+    assert page.box[2] > 210.0
 
 
-def words(page: Page) -> str:
-    return "\n".join(text.get_text() for text in page.axes.findobj(Text))
-
-
-def test_assembly_page_tells_all(made: Design, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    from riot.fabricate.export import page as module
-
-    seen: list[str] = []
-
-    def kept(pages: list[Page]) -> bytes:
-        seen.extend(words(each) for each in pages)
-        return b""
-
-    monkeypatch.setattr(module, "pdf_bytes", kept)
-    told = replace(made, warnings=("the moon is made of cheese",) * 60)
-    write_page(told, tmp_path / "page.pdf")
-    text = "\n".join(seen)
+def test_assembly_page_tells_all(made: Design) -> None:
+    pages = page_scenes(replace(made, warnings=("the moon is made of cheese",) * 60))
+    seen = [[mark.text for mark in page.marks if isinstance(mark, Label)] for page in pages]
+    words = [line for page in seen for line in page]
     assert len(seen) >= 3  # many warnings go on, on a further page
-    assert text.count("the moon is made of cheese") == 60
+    assert sum("the moon is made of cheese" in line for line in words) == 60
     for piece in made.pieces:
-        assert f"1 × {piece.name}\n" in text
-    assert f"{made.pins[0].count} × pin" in text
+        assert f"1 × {piece.name}" in words
+    assert f"{made.pins[0].count} × pin" in words
     assert "P ⇄ Q" in seen[0]
     # Numbers of the pieces: in P, in Q and on the chain.
-    assert all(seen[0].split("\n").count(str(i + 1)) == 3 for i in range(len(made.pieces)))
+    assert all(seen[0].count(str(i + 1)) == 3 for i in range(len(made.pieces)))
+    # All of it is on paper.
+    for page in pages:
+        assert all(10.0 < mark.x < 200.0 and 10.0 < mark.y < 290.0 for mark in page.marks if isinstance(mark, Label))
 
 
 def png(path: Path) -> Image.Image:
@@ -169,7 +161,7 @@ def test_picture_shows_the_faces_at_scale(made: Design, tmp_path: Path, side: Si
     draw_puzzle(made, tmp_path / "whole.png", side, textures={side: Red()})
     pixels = np.asarray(png(tmp_path / "whole.png"))
     shown = float((pixels == RED).all(axis=2).sum()) * (25.4 / DOTS_PER_INCH) ** 2
-    faces = sum(face(made, i, side).area for i in range(len(made.pieces))) * math.sin(ELEVATION)
+    faces = sum(face(made, i, side).area for i in range(len(made.pieces))) * math.sin(EYE.elevation)
     assert 0.93 * faces < shown <= 1.001 * faces  # less what outlines cover
 
 

@@ -21,7 +21,7 @@ from riot.draw.raster import png_bytes
 from riot.draw.scene import PlacedPiece, Scene, extent, placed
 from riot.draw.svg import document, naming, piece_id
 from riot.draw.texture.names import SIDES, Side
-from riot.draw.texture.sample import painted, piece_images
+from riot.draw.texture.sample import piece_images, sample_region
 from riot.draw.texture.source import ByteArray
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.types import FloatArray
@@ -79,7 +79,7 @@ def test_a_skin_has_the_colours_of_the_assembled_shape(transform: Transform, ima
 
 def test_a_raster_covers_its_region_and_is_white_beyond() -> None:
     region = shapely.Polygon([(0.0, 0.0), (2.0, 0.0), (0.0, 1.0)])
-    pixels, box = painted(region, 0.1, lambda points: np.zeros((len(points), 3), dtype=np.uint8))
+    pixels, box = sample_region(region, 0.1, lambda points: np.zeros((len(points), 3), dtype=np.uint8))
     assert pixels.shape == (10, 20, 3) and box == pytest.approx((0.0, 0.0, 2.0, 1.0))
     assert (pixels[-1, 0] == 0).all() and (pixels[0, 0] == 0).all() and (pixels[0, -1] == 255).all()
 

@@ -39,11 +39,11 @@ def _sampled(transform: Transform, side: Side, texture: Texture, step: float) ->
             return texture.colours(i, pose.place(i, points), step)
 
         # A rim of two pixels: what writers smooth at the edge must not be white.
-        found.append(PieceImage(*painted(shapely.Polygon(piece.polygon).buffer(2.0 * step), step, colours)))
+        found.append(PieceImage(*sample_region(shapely.Polygon(piece.polygon).buffer(2.0 * step), step, colours)))
     return tuple(found)
 
 
-def painted(
+def sample_region(
     region: shapely.Polygon, step: float, colours: Callable[[FloatArray], ByteArray]
 ) -> tuple[ByteArray, tuple[float, float, float, float]]:
     """A region as a picture: (rows, columns, 3) uint8, first row at the top (y up), and its box x0, y0, x1, y1.

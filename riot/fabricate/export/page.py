@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from riot.draw.palette import LIGHT, PIECES, hue
+from riot.draw.keyframes import painting_order
+from riot.draw.palette import hue
+from riot.draw.pdf import pdf_bytes
+from riot.draw.scene import Mark, Region, Scene
 from riot.fabricate.export.flat import FlatFormatError
-from riot.fabricate.export.paper import Frame, Page, new_page, pdf_bytes
+from riot.fabricate.export.paper import Frame, disc, number_marks, region_mark, sheet, text
 from riot.fabricate.export.sheets import NAME
 from riot.transform.pose import Pose, direction
 
@@ -47,7 +50,12 @@ def write_page(design: Design, path: str | os.PathLike[str]) -> None:
     target = Path(path)
     if target.suffix.lower() != ".pdf":
         raise FlatFormatError(f"cannot write the assembly page {target.name!r}: use a file name that ends in .pdf")
-    target.write_bytes(pdf_bytes([_pictures(design), *_lists(design)]))
+    target.write_bytes(pdf_bytes(page_scenes(design), unit_mm=1.0))
+
+
+def page_scenes(design: Design) -> list[Scene]:
+    """The pages of `write_page`, in mm."""
+    return [sheet("assembly", WIDTH, HEIGHT, marks) for marks in (_pictures(design), *_lists(design))]
 
 
 def _names(design: Design) -> tuple[str, str]:
@@ -55,13 +63,15 @@ def _names(design: Design) -> tuple[str, str]:
     return textwrap.shorten(p, NAME, placeholder="…"), textwrap.shorten(q, NAME, placeholder="…")
 
 
-def _pictures(design: Design) -> Page:
+def _pictures(design: Design) -> list[Mark]:
     """The first page."""
-    page, names = new_page(WIDTH, HEIGHT), _names(design)
+    names = _names(design)
     width, top = WIDTH - 2 * MARGIN_MM, HEIGHT - MARGIN_MM
     count = len(design.pieces)
-    page.text(MARGIN_MM, top - 5.0, f"{names[0]} ⇄ {names[1]}", 6.5, weight="bold")
-    page.text(MARGIN_MM, top - 11.5, f"{count} pieces, {_pins(design)}; the chain {design.motion.words}", 3.2, "muted")
+    marks: list[Mark] = [
+        text(MARGIN_MM, top - 5.0, f"{names[0]} ⇄ {names[1]}", 6.5, weight="bold"),
+        text(MARGIN_MM, top - 11.5, f"{count} pieces, {_pins(design)}; the chain {design.motion.words}", 3.2, "note"),
+    ]
     top -= 20.0
 
     half = 0.5 * (width - 10.0)
@@ -70,47 +80,48 @@ def _pictures(design: Design) -> Page:
     high = max(_size(frames, design)[1] for frames in closed) * scale
     for k, (frames, name) in enumerate(zip(closed, names, strict=True)):
         middle = MARGIN_MM + 0.5 * half + k * (half + 10.0)
-        _drawn(page, design, frames, scale, middle, top - 0.5 * high, numbers=True)
-        page.text(middle, top - high - 7.0, name, 3.6, anchor="center", weight="bold")
-    page.text(0.5 * WIDTH, top - high - 7.0, _ratio(scale), 2.8, "muted", "center")
+        marks += _drawn(design, frames, scale, middle, top - 0.5 * high, numbers=True)
+        marks.append(text(middle, top - high - 7.0, name, 3.6, anchor="middle", weight="bold"))
+    marks.append(text(0.5 * WIDTH, top - high - 7.0, _ratio(scale), 2.8, "note", "middle"))
     top -= high + 17.0
 
     chain = _chain(design)
     scale = _fit(chain, design, width, _CHAIN_MM)
     high = _size(chain, design)[1] * scale
-    _drawn(page, design, chain, scale, 0.5 * WIDTH, top - 0.5 * high, numbers=True, hinges=True)
+    marks += _drawn(design, chain, scale, 0.5 * WIDTH, top - 0.5 * high, numbers=True, hinges=True)
     words = f"the chain, seen from the front: {names[0]}'s outline below, {names[1]}'s above"
-    page.text(0.5 * WIDTH, top - high - 7.0, words, 2.8, "muted", "center")
+    marks.append(text(0.5 * WIDTH, top - high - 7.0, words, 2.8, "note", "middle"))
     kinds = "● pin hinge   ○ open ends" + ("   ◎ telescopic hinge" if design.motion.lifted else "")
-    page.text(0.5 * WIDTH, top - high - 11.5, kinds, 2.8, "muted", "center")
+    marks.append(text(0.5 * WIDTH, top - high - 11.5, kinds, 2.8, "note", "middle"))
     top -= high + 21.0
 
-    _swing(page, design, top)
-    return page
+    return marks + _swing(design, top)
 
 
-def _swing(page: Page, design: Design, top: float) -> None:
+def _swing(design: Design, top: float) -> list[Mark]:
     """Poses of the motion in rows, all at one scale."""
     names, width = _names(design), WIDTH - 2 * MARGIN_MM
     times = np.linspace(0.0, 1.0, ROWS * COLUMNS)
     groups = [_frames(design, design.motion.pose_at(float(t))) for t in times]
     sizes = np.array([_size(frames, design) for frames in groups]).reshape(ROWS, COLUMNS, 2)
     wide, high = sizes[..., 0].sum(axis=1), sizes[..., 1].max(axis=1)
-    room = top - MARGIN_MM - ROWS * _APART_MM - 4.0
-    scale = min((width - _APART_MM * (COLUMNS - 1)) / float(wide.max()), room / float(high.sum()), 1.0)
+    marks: list[Mark] = []
+    height_left = top - MARGIN_MM - ROWS * _APART_MM - 4.0
+    scale = min((width - _APART_MM * (COLUMNS - 1)) / float(wide.max()), height_left / float(high.sum()), 1.0)
     for row in range(ROWS):
         x, space = MARGIN_MM, (width - scale * float(wide[row])) / (COLUMNS - 1)
         tall = scale * float(high[row])
         for column in range(COLUMNS):
             own = scale * float(sizes[row, column, 0])
             frames = groups[row * COLUMNS + column]
-            _drawn(page, design, frames, scale, x + 0.5 * own, top - 0.5 * tall, hinges=True)
+            marks += _drawn(design, frames, scale, x + 0.5 * own, top - 0.5 * tall, hinges=True)
             x += own + space
         top -= tall + _APART_MM
-    page.text(0.5 * WIDTH, top - 3.0, f"the swing from {names[0]} to {names[1]}", 2.8, "muted", "center")
+    marks.append(text(0.5 * WIDTH, top - 3.0, f"the swing from {names[0]} to {names[1]}", 2.8, "note", "middle"))
+    return marks
 
 
-def _lists(design: Design) -> list[Page]:
+def _lists(design: Design) -> list[list[Mark]]:
     """The pages after the first: parts, pins, steps, warnings; as many as there need to be."""
     lines: list[tuple[str, str]] = [("head", "Parts")]
     for piece in design.pieces:
@@ -124,35 +135,37 @@ def _lists(design: Design) -> list[Page]:
     lines += [("gap", ""), ("head", "Warnings"), *(_numbered(design.warnings) or [("text", "none")])]
     lines += [("gap", ""), ("head", "Sizes"), *(("text", line) for line in _sizes(design))]
 
-    pages, page, y = [], new_page(WIDTH, HEIGHT), HEIGHT - MARGIN_MM
+    pages: list[list[Mark]] = [[]]
+    y = HEIGHT - MARGIN_MM
     for kind, words in lines:
         step = {"head": 9.0, "gap": 3.0}.get(kind, 5.4)
         if y - step < MARGIN_MM:
-            pages.append(page)
-            page, y = new_page(WIDTH, HEIGHT), HEIGHT - MARGIN_MM
+            pages.append([])
+            y = HEIGHT - MARGIN_MM
         y -= step
         if kind == "head":
-            page.text(MARGIN_MM, y, words, 4.4, weight="bold")
+            pages[-1].append(text(MARGIN_MM, y, words, 4.4, weight="bold"))
             y -= 1.2
         elif kind == "row":
-            _row(page, design, y, words.split("\t"))
+            pages[-1] += _row(design, y, words.split("\t"))
         elif kind == "text":
-            page.text(MARGIN_MM, y, words, 3.1)
-    return [*pages, page]
+            pages[-1].append(text(MARGIN_MM, y, words, 3.1))
+    return pages
 
 
-def _row(page: Page, design: Design, y: float, cells: Sequence[str]) -> None:
+def _row(design: Design, y: float, cells: Sequence[str]) -> list[Mark]:
+    marks: list[Mark] = []
     if cells[0]:
-        colour = PIECES[hue(int(cells[0]) - 1, len(design.pieces))]
-        page.region(shapely.box(MARGIN_MM, y - 0.8, MARGIN_MM + 4.0, y + 2.8), colour)
-    for x, words in zip((7.0, 14.0, 44.0, 76.0), cells, strict=True):
-        page.text(MARGIN_MM + x, y, words, 3.1)
+        swatch = shapely.box(MARGIN_MM, y - 0.8, MARGIN_MM + 4.0, y + 2.8)
+        marks.append(region_mark(swatch, f"piece{hue(int(cells[0]) - 1, len(design.pieces))}"))
+    marks += [text(MARGIN_MM + x, y, words, 3.1) for x, words in zip((7.0, 14.0, 44.0, 76.0), cells, strict=True)]
+    return marks
 
 
 def _numbered(texts: Sequence[str]) -> list[tuple[str, str]]:
     lines = []
-    for number, text in enumerate(texts, start=1):
-        first, *more = textwrap.wrap(text, _LETTERS)
+    for number, words in enumerate(texts, start=1):
+        first, *more = textwrap.wrap(words, _LETTERS)
         lines += [("text", f"{number}.  {first}"), *(("text", f"     {line}") for line in more)]
     return lines
 
@@ -248,7 +261,6 @@ def _ratio(scale: float) -> str:
 
 
 def _drawn(
-    page: Page,
     design: Design,
     frames: Sequence[Frame],
     scale: float,
@@ -257,32 +269,34 @@ def _drawn(
     *,
     numbers: bool = False,
     hinges: bool = False,
-) -> None:
-    """Paint the pieces about (x, y), higher planes of the motion over lower ones."""
-    n, motion = len(design.pieces), design.motion
+) -> list[Mark]:
+    """The pieces about (x, y), higher planes of the motion over lower ones."""
+    n = len(design.pieces)
     shift = np.array([x, y]) - scale * _box(frames, design).mean(axis=0)
-    planes = motion.levels.max(axis=0)
-    for i in sorted(range(n), key=lambda i: (int(planes[i]), (i - motion.open_hinge) % n)):
-        region = shapely.Polygon(scale * frames[i].paper(design.pieces[i].outline) + shift)
-        page.region(region, PIECES[hue(i, n)], LIGHT["paper"], 0.15)
+    marks: list[Mark] = [
+        Region((scale * frames[i].paper(design.pieces[i].outline) + shift,), f"piece{hue(i, n)}")
+        for i in painting_order(design.motion)
+    ]
     if hinges:
-        _hinges(page, design, frames, scale, shift)
+        marks += _hinges(design, frames, scale, shift)
     if numbers:
         for i, piece in enumerate(design.pieces):
             middle = shapely.maximum_inscribed_circle(shapely.Polygon(piece.outline)).coords[0]
-            (at,) = scale * frames[i].paper(np.array([middle])) + shift
-            page.label(float(at[0]), float(at[1]), str(i + 1), 2.8)
+            ((at_x, at_y),) = (scale * frames[i].paper(np.array([middle])) + shift).tolist()
+            marks += number_marks(at_x, at_y, i + 1, 2.8)
+    return marks
 
 
-def _hinges(page: Page, design: Design, frames: Sequence[Frame], scale: float, shift: FloatArray) -> None:
+def _hinges(design: Design, frames: Sequence[Frame], scale: float, shift: FloatArray) -> list[Mark]:
     n, first = len(design.pieces), design.motion.open_hinge
     radius = max(0.6, 0.5 * scale * design.parameters.pin_mm)
+    marks: list[Mark] = []
     for i, (piece, frame) in enumerate(zip(design.pieces, frames, strict=True)):
         start = scale * np.array([frame.x, frame.y]) + shift
-        fill = LIGHT["paper"] if i == first else LIGHT["ink"]
-        page.disc(float(start[0]), float(start[1]), radius, fill, LIGHT["ink"])
+        marks.append(disc(float(start[0]), float(start[1]), "open" if i == first else "hinge", radius))
         if piece.start.kind == "telescopic":
-            page.disc(float(start[0]), float(start[1]), 0.5 * radius, LIGHT["paper"])
+            marks.append(disc(float(start[0]), float(start[1]), "open", 0.5 * radius))
         if (i + 1) % n == first:
             end = start + scale * piece.length * direction(frame.angle)
-            page.disc(float(end[0]), float(end[1]), radius, LIGHT["paper"], LIGHT["ink"])
+            marks.append(disc(float(end[0]), float(end[1]), "open", radius))
+    return marks

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import os
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
-from riot.draw.palette import LIGHT
-from riot.draw.texture.sample import painted as raster
+from riot.draw.pdf import pdf_bytes
+from riot.draw.scene import Bitmap, Line, Mark, Scene
+from riot.draw.texture.sample import sample_region
 from riot.fabricate.export.flat import FlatFormatError
-from riot.fabricate.export.paper import MM_PER_INCH, Frame, Page, new_page, pdf_bytes
+from riot.fabricate.export.paper import MM_PER_INCH, Frame, region_mark, rings, sheet, text
 from riot.fabricate.model import polygons
 from riot.fabricate.shelves import Spot, shelves
 from riot.transform.pose import rotate
@@ -59,21 +60,19 @@ def write_sheets(
     target = Path(path)
     if target.suffix.lower() != ".pdf":
         raise FlatFormatError(f"cannot write the texture sheets {target.name!r}: use a file name that ends in .pdf")
-    target.write_bytes(pdf_bytes(sheet_pages(design, texture, side, dots_per_inch)))
+    target.write_bytes(pdf_bytes(sheet_scenes(design, texture, side, dots_per_inch), unit_mm=1.0))
 
 
-def sheet_pages(design: Design, texture: Texture, side: Side, dots_per_inch: float = DOTS_PER_INCH) -> list[Page]:
-    """The pages of `write_sheets`."""
+def sheet_scenes(design: Design, texture: Texture, side: Side, dots_per_inch: float = DOTS_PER_INCH) -> list[Scene]:
+    """The pages of `write_sheets`, in mm."""
     faces = [face(design, i, side) for i in range(len(design.pieces))]
     width, height, spots = _layout([piece.outline for piece in design.pieces])
     count = 1 + max(spot.page for spot in spots)
-    pages = [new_page(width, height) for _ in range(count)]
-    for number, page in enumerate(pages):
-        _words(page, design, side, number, count)
+    pages = [_words(width, design, side, number, count) for number in range(count)]
     for i, spot in enumerate(spots):
         frame = _frame(design.pieces[i].outline, spot, width, height, side)
-        _piece(pages[spot.page], design, texture, side, i, frame, faces[i], dots_per_inch)
-    return pages
+        pages[spot.page] += _piece(design, texture, side, i, frame, faces[i], dots_per_inch)
+    return [sheet("texture sheet", width, height, marks) for marks in pages]
 
 
 def _frame(outline: FloatArray, spot: Spot, width: float, height: float, side: Side) -> Frame:
@@ -110,7 +109,6 @@ def face(design: Design, index: int, side: Side) -> shapely.Polygon:
 
 
 def _piece(
-    page: Page,
     design: Design,
     texture: Texture,
     side: Side,
@@ -118,40 +116,53 @@ def _piece(
     frame: Frame,
     within: shapely.Polygon,
     dots_per_inch: float,
-) -> None:
+) -> list[Mark]:
     cut = frame.region(within)
     with_bleed = cut.buffer(BLEED_MM)
-    pixels, box = painted(design, texture, side, index, frame, with_bleed, MM_PER_INCH / dots_per_inch)
-    page.image(pixels, box, with_bleed)
-    page.region(cut, None, LIGHT["ink"], 0.1)
+    pixels, box = face_pixels(design, texture, side, index, frame, with_bleed, MM_PER_INCH / dots_per_inch)
     x0, y0, x1, _ = cut.bounds
-    page.text(0.5 * (x0 + x1), y0 - 4.6, str(index + 1), 3.0, "muted", "center")
+    number = text(0.5 * (x0 + x1), y0 - 4.6, str(index + 1), 3.0, "note", "middle")
+    return [Bitmap(pixels, box, rings(with_bleed)), region_mark(cut, "cut"), number]
 
 
-def painted(
+def face_pixels(
     design: Design, texture: Texture, side: Side, index: int, frame: Frame, region: shapely.Polygon, step: float
 ) -> tuple[ByteArray, tuple[float, float, float, float]]:
     """A piece's texture in a region of the paper: (rows, columns, 3) uint8, first row at the top, and its box in mm.
 
-    ``step`` is the size of a pixel in mm (`riot.draw.texture.sample.painted`).
+    ``step`` is the size of a pixel in mm (`riot.draw.texture.sample.sample_region`).
     """
+    return sample_region(region, step, face_colours(design, texture, side, index, frame, step))
+
+
+def face_colours(
+    design: Design, texture: Texture, side: Side, index: int, frame: Frame, step: float
+) -> Callable[[FloatArray], ByteArray]:
+    """A function from (k, 2) points of the paper, mm, to the (k, 3) colours a piece's texture has there."""
     pose = design.transform.pose(0.0 if side == "p" else 1.0)
 
     def colours(points: FloatArray) -> ByteArray:
         return texture.colours(index, pose.place(index, frame.piece(points) / design.scale), step / design.scale)
 
-    return raster(region, step, colours)
+    return colours
 
 
-def _words(page: Page, design: Design, side: Side, number: int, count: int) -> None:
+def _words(width: float, design: Design, side: Side, number: int, count: int) -> list[Mark]:
     p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
     names = [textwrap.shorten(name, NAME, placeholder="…") for name in (p, q)]
     what = f"front: {names[0]}" if side == "p" else f"back: {names[1]}, mirrored"
     x, y = MARGIN_MM, 7.0
-    page.text(x, y + 4.4, f"{what} · sheet {number + 1} of {count}", 3.2, weight="bold")
-    page.text(x, y, "Print at 100 %, cut along the thin lines, glue on the pieces of the same number.", 2.8, "muted")
-    right = page.width - MARGIN_MM
-    page.line(np.array([[right - RULER_MM, y + 3.0], [right, y + 3.0]]), LIGHT["ink"], 0.3)
-    for at in (right - RULER_MM, right):
-        page.line(np.array([[at, y + 1.8], [at, y + 4.2]]), LIGHT["ink"], 0.3)
-    page.text(right - 0.5 * RULER_MM, y - 1.0, f"this line is {RULER_MM:.0f} mm long", 2.8, "muted", "center")
+    right = width - MARGIN_MM
+    left = right - RULER_MM
+    hint = "Print at 100 %, cut along the thin lines, glue on the pieces of the same number."
+    ruler = (
+        [[left, y + 3.0], [right, y + 3.0]],
+        [[left, y + 1.8], [left, y + 4.2]],
+        [[right, y + 1.8], [right, y + 4.2]],
+    )
+    return [
+        text(x, y + 4.4, f"{what} · sheet {number + 1} of {count}", 3.2, weight="bold"),
+        text(x, y, hint, 2.8, "note"),
+        *(Line(np.array(points), "outline") for points in ruler),
+        text(right - 0.5 * RULER_MM, y - 1.0, f"this line is {RULER_MM:.0f} mm long", 2.8, "note", "middle"),
+    ]
