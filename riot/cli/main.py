@@ -69,8 +69,8 @@ def main(arguments: Sequence[str] | None = None, more: Sequence[Callable[[Comman
         print(f"riot: {error}", file=sys.stderr)
         return 2
     except OSError as error:
-        said = f"{error.filename}: {error.strerror}; check the path" if error.filename and error.strerror else error
-        print(f"riot: {said}", file=sys.stderr)
+        message = f"{error.filename}: {error.strerror}; check the path" if error.filename and error.strerror else error
+        print(f"riot: {message}", file=sys.stderr)
         return 2
     return code
 
@@ -176,8 +176,8 @@ def show(transform: Transform) -> None:
 
 
 def _hinges(motion: Motion) -> str:
-    said = str(motion.open_hinge)
-    return said if motion.flat else f"{said}, lifting at {', '.join(map(str, motion.lifted))}"
+    opened = str(motion.open_hinge)
+    return opened if motion.flat else f"{opened}, lifting at {', '.join(map(str, motion.lifted))}"
 
 
 def _piece_images(

@@ -1,8 +1,8 @@
-"""Files that anybody may have made: read only if they are files, and no more of them than they may have (ours).
+"""Limits on files that nobody vouches for: they must be files, and no longer than they may be (ours).
 
-What a content may ask for is limited where it is understood: pixels and contour points in `riot.parameters.method` and
-`riot.geometry.silhouette`, drawn geometry in `riot.geometry.svg_document` and `riot.geometry.svg_outline`, pieces in
-`riot.transform.riot_file`.
+What a file's content may ask for is limited where the content is understood: pixels and contour points in
+`riot.parameters.method` and `riot.geometry.silhouette`, drawn geometry in `riot.geometry.svg_document` and
+`riot.geometry.svg_outline`, pieces in `riot.transform.riot_file`.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ class TooManyBytes(ValueError):
 
 
 def check_file(path: Path, most: int) -> None:
-    """Raise `TooManyBytes`, or OSError for what is no file: a pipe or a device could be waited for without end.
+    """Refuse what is longer than ``most`` bytes, and what is no file: reading a pipe or a device might never end.
 
-    ValueError for a path with a null character.
+    Raises `TooManyBytes`; OSError for what is missing or no file; ValueError for a path with a null character.
     """
-    found = path.stat()
-    if stat.S_ISDIR(found.st_mode):
+    status = path.stat()
+    if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "not a file", str(path))
-    if found.st_size > most:
-        raise TooManyBytes(f"{found.st_size} bytes are more than the limit of {most}")
+    if status.st_size > most:
+        raise TooManyBytes(f"{status.st_size} bytes are more than the limit of {most}")
 
 
 def read_bytes(path: Path, most: int) -> bytes:
-    """The content of a file of at most ``most`` bytes; errors as `check_file`."""
+    """Read a file of at most ``most`` bytes; errors as `check_file`."""
     check_file(path, most)
     with path.open("rb") as file:
         data = file.read(most + 1)
@@ -51,5 +51,11 @@ def read_bytes(path: Path, most: int) -> bytes:
 
 
 def read_text(path: Path, most: int) -> str:
-    """The content of a file of at most ``most`` bytes as UTF-8 with whatever else replaced; errors as `check_file`."""
+    """Read a file of at most ``most`` bytes as UTF-8, other bytes replaced by U+FFFD; errors as `check_file`.
+
+    >>> from pathlib import Path
+    >>> _ = Path("pins.json").write_text("[]")
+    >>> read_text(Path("pins.json"), 100)
+    '[]'
+    """
     return read_bytes(path, most).decode("utf-8", errors="replace")

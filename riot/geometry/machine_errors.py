@@ -1,4 +1,7 @@
-"""Errors of the machine, and errors of a file, which alone say something about it whenever it is read (ours)."""
+"""Tell errors of the machine (memory, a failing disk) from errors of a file (ours).
+
+An error of a file is the same whenever the file is read, so it may be kept as what is known of the file.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +20,17 @@ _OF_THE_FILE = frozenset(
         errno.EINVAL,
     }
 )
-"""Nothing there, nothing that may be read, or no file: the same the next time, unless somebody mends it."""
+"""The file is missing, may not be read, or is none: the same the next time, unless somebody mends it."""
 
 
 def is_of_machine(error: BaseException) -> bool:
-    """Whether an error tells of the machine (memory, descriptors, a failing disk or network), not of a file's content.
+    """Whether an error comes from the machine (memory, descriptors, a failing disk or network), not from a file.
 
-    Such an error may be gone the next time, and must not be kept as what is known of the file. Numbers of errors that
-    are not known to be the file's count as the machine's; an OSError without a number is a decoder's, of its data.
+    Such an error may be gone the next time and must not be kept as what is known of the file. Error numbers other than
+    the known ones of a file count as the machine's; an OSError without a number comes from a decoder, of its data.
+
+    >>> is_of_machine(FileNotFoundError(errno.ENOENT, "missing")), is_of_machine(MemoryError())
+    (False, True)
     """
     if isinstance(error, OSError):
         return error.errno is not None and error.errno not in _OF_THE_FILE

@@ -92,8 +92,8 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
 
 
 def _damaged(where: Path, error: Exception) -> SilhouetteError:
-    said = (str(error).splitlines() or [type(error).__name__])[0]
-    return SilhouetteError("unreadable", f"{where}: cannot be read ({said}); restore the file or save it again")
+    reason = (str(error).splitlines() or [type(error).__name__])[0]
+    return SilhouetteError("unreadable", f"{where}: cannot be read ({reason}); restore the file or save it again")
 
 
 def _grey(image: Image.Image) -> Picture:

@@ -61,8 +61,8 @@ def load(path: str | os.PathLike[str]) -> ElementTree.Element:
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
         if is_of_machine(error):
             raise
-        said = getattr(error, "strerror", error)
-        raise SilhouetteError("unreadable", f"{where}: cannot be read ({said}); check the path") from error
+        reason = getattr(error, "strerror", error)
+        raise SilhouetteError("unreadable", f"{where}: cannot be read ({reason}); check the path") from error
     try:
         _refuse_declarations(data, where)
         root = ElementTree.fromstring(data)

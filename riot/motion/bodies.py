@@ -47,7 +47,7 @@ class Bodies:
     gap: float
     relief: float
 
-    def stretch(self, pieces: IntArray) -> tuple[FloatArray, IntArray, IntArray, FloatArray, FloatArray]:
+    def subchain(self, pieces: IntArray) -> tuple[FloatArray, IntArray, IntArray, FloatArray, FloatArray]:
         """Arrays of some pieces in the given order, as `riot.kernels.collide.clear_share` takes them."""
         rows = (3 * pieces[:, None] + np.arange(3)).ravel()
         rings = [np.arange(self.bodies[row], self.bodies[row + 1]) for row in rows]
@@ -70,19 +70,19 @@ def make_bodies(transform: Transform, parameters: MotionParameters) -> Bodies:
     """
     side = max(extent(transform.outline_p()), extent(transform.outline_q()))
     gap, relief = parameters.gap * side, parameters.relief * side
-    found: list[list[FloatArray]] = []
+    bodies: list[list[FloatArray]] = []
     for piece in transform.pieces:
         whole = shrunk(piece, gap)
         discs = [shapely.Point(x, 0.0).buffer(relief, quad_segs=QUARTER) for x in (0.0, piece.length)]
-        found += [_rings(body) for body in (whole, *(whole.difference(disc) for disc in discs))]
-    rings = [ring for body in found for ring in body]
+        bodies += [_rings(body) for body in (whole, *(whole.difference(disc) for disc in discs))]
+    rings = [ring for body in bodies for ring in body]
     lengths = np.array([piece.length for piece in transform.pieces])
     return Bodies(
         np.concatenate([np.empty((0, 2)), *rings]),
         _offsets([len(ring) for ring in rings]),
-        _offsets([len(body) for body in found]),
+        _offsets([len(body) for body in bodies]),
         lengths,
-        np.array([_reaches(found[3 * i], length) for i, length in enumerate(lengths)]),
+        np.array([_reaches(bodies[3 * i], length) for i, length in enumerate(lengths)]),
         gap,
         relief,
     )

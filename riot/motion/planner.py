@@ -1,8 +1,8 @@
 """The plan: which hinge opens, how the others turn, and which of them must lift, if any (theory §9). Ours.
 
-The ring of pieces is cut at the open hinge and at every hinge that lifts. Each stretch between two cuts keeps to a
-plane of its own, one level above the stretch before, so that stretches do not see each other: a set of cuts will do if
-each stretch has a free way by itself. If a stretch has none, a longer one that holds it has none either.
+The ring of pieces is cut at the open hinge and at every hinge that lifts. Each subchain between two cuts keeps to a
+plane of its own, one level above the subchain before, so that subchains do not see each other: a set of cuts will do if
+each subchain has a free way by itself. If a subchain has none, a longer one that holds it has none either.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from riot.motion.bodies import Bodies, make_bodies
-from riot.motion.search import Stretch, find
+from riot.motion.search import Subchain, find_path
 from riot.parameters.motion import MotionParameters as MotionParameters
 from riot.transform.motion import LIFT, SEARCHES
 from riot.transform.motion import Attempt as Attempt
@@ -25,11 +25,16 @@ from riot.types import FloatArray, IntArray
 
 
 def plan_motion(transform: Transform, parameters: MotionParameters | None = None) -> Motion:
-    """Plan how the pieces swing from P to Q; deterministic.
+    """Plan how the pieces swing from P to Q without collision (theory §9); the same transform gives the same motion.
 
     Every open hinge is tried, by each search in turn (`riot.transform.motion.SEARCHES`): a motion in one plane wins
     over any with lifts, and among those a calm one. There always is a plan: with all hinges lifting, no two pieces
-    share a plane.
+    share a plane. Ours.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> motion = plan_motion(exact_transform(dudeney()))
+    >>> motion.words, motion.search
+    ('swings flat', 'together')
     """
     parameters = parameters or MotionParameters()
     bodies = make_bodies(transform, parameters)
@@ -39,12 +44,23 @@ def plan_motion(transform: Transform, parameters: MotionParameters | None = None
 
 
 def motion_of(transform: Transform) -> Motion:
-    """The motion that a transform carries as its ``plan``; without one, that of default parameters, planned once."""
+    """The motion that a transform carries as its ``plan``; without one, that of default parameters, planned once.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> transform = exact_transform(dudeney())
+    >>> motion_of(transform) is motion_of(transform)
+    True
+    """
     return _default_motion(transform) if transform.plan is None else transform.plan
 
 
 def with_motion(transform: Transform) -> Transform:
-    """The transform with its motion as ``plan``, to be saved with it."""
+    """The transform with its motion as ``plan``, to be saved with it.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> with_motion(exact_transform(dudeney())).plan.flat
+    True
+    """
     return replace(transform, plan=motion_of(transform))
 
 
@@ -62,7 +78,7 @@ class _Planner:
         self._turns = chain.turns(0.0), chain.turns(1.0)
         self._ways: dict[tuple[int, int], Way | None] = {}
         self._begun: dict[tuple[int, int], int] = {}
-        """How many of the searches a stretch has seen in vain."""
+        """How many of the searches a subchain has seen in vain."""
 
     def flat(self) -> tuple[tuple[int, ...], list[Way]] | None:
         """The open hinge and the way of the whole chain in one plane; None if there is none."""
@@ -80,21 +96,21 @@ class _Planner:
         return None
 
     def lifting(self) -> tuple[tuple[int, ...], list[Way]]:
-        """The fewest cuts that leave a free way to every stretch, and the ways; the calmest among equals."""
+        """The fewest cuts that leave a free way to every subchain, and the ways; the calmest among equals."""
         for count in range(2, self._n + 1):
             best: tuple[int, tuple[int, ...], list[Way]] | None = None
             for cuts in combinations(range(self._n), count):
-                ways = [self._way(first, size) for first, size in _stretches(cuts, self._n)]
-                found = [way for way in ways if way is not None]
-                effort = sum(rank for rank, _ in found)
-                if len(found) == count and (best is None or effort < best[0]):
-                    best = effort, cuts, found
+                ways = [self._way(first, size) for first, size in _subchains(cuts, self._n)]
+                free_ways = [way for way in ways if way is not None]
+                effort = sum(rank for rank, _ in free_ways)
+                if len(free_ways) == count and (best is None or effort < best[0]):
+                    best = effort, cuts, free_ways
             if best is not None:
                 return best[1:]
         raise AssertionError("a chain of single pieces has no way")
 
     def _way(self, first: int, size: int) -> Way | None:
-        """The way of a stretch by the first search that finds one."""
+        """The way of a subchain by the first search that finds one."""
         key = first % self._n, size
         if size == 1:
             return 0, np.empty((1, 0))
@@ -112,9 +128,9 @@ class _Planner:
     def _try(self, first: int, size: int, search: int) -> Way | None:
         pieces = (first + np.arange(size)) % self._n
         start, goal = (turns[pieces[1:]] for turns in self._turns)
-        stretch = Stretch(self._bodies, pieces, start, goal)
-        path = find(stretch, SEARCHES[search], self._parameters.samples, self._parameters.seed)
-        self.tried.append(Attempt(first, size, SEARCHES[search], path is not None, stretch.checks))
+        subchain = Subchain(self._bodies, pieces, start, goal)
+        path = find_path(subchain, SEARCHES[search], self._parameters.samples, self._parameters.seed)
+        self.tried.append(Attempt(first, size, SEARCHES[search], path is not None, subchain.checks))
         self._begun[first, size] = search + 1
         if path is None:
             return None
@@ -123,7 +139,7 @@ class _Planner:
         return way
 
 
-def _stretches(cuts: tuple[int, ...], n: int) -> list[tuple[int, int]]:
+def _subchains(cuts: tuple[int, ...], n: int) -> list[tuple[int, int]]:
     """First piece and number of pieces from every cut to the next, the last to the first."""
     return [(cut, (following - cut - 1) % n + 1) for cut, following in zip(cuts, (*cuts[1:], cuts[0]), strict=True)]
 
@@ -131,13 +147,13 @@ def _stretches(cuts: tuple[int, ...], n: int) -> list[tuple[int, int]]:
 def _motion(
     transform: Transform, bodies: Bodies, cuts: tuple[int, ...], ways: list[Way], tried: tuple[Attempt, ...]
 ) -> Motion:
-    """Put the ways of the stretches together: all start and arrive at the same time."""
+    """Put the ways of the subchains together: all start and arrive at the same time."""
     n, chain = len(transform), transform.chain
     clocks = [_clock(path) for _, path in ways]
     times = np.unique(np.concatenate([[0.0, 1.0], *clocks]))
     turns = np.array([chain.turns(float(t)) for t in times])
     level: IntArray = np.zeros(n, dtype=np.int64)
-    for k, ((first, size), clock, (_, path)) in enumerate(zip(_stretches(cuts, n), clocks, ways, strict=True)):
+    for k, ((first, size), clock, (_, path)) in enumerate(zip(_subchains(cuts, n), clocks, ways, strict=True)):
         pieces = (first + np.arange(size)) % n
         level[pieces] = k
         for h, piece in enumerate(pieces[1:]):

@@ -1,6 +1,6 @@
-"""Searches for a way of one stretch of the chain from its turns in P to those in Q (theory §9). Ours.
+"""Searches for a way of one subchain of the chain from its turns in P to those in Q (theory §9). Ours.
 
-A path is a (k, m − 1) array of the turns of a stretch of m pieces, hinges turning evenly between two rows.
+A path is a (k, m − 1) array of the turns of a subchain of m pieces, hinges turning evenly between two rows.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ CAP = 0.25
 """Distances beyond this (unit-area frame) need not be exact."""
 
 _LONG = 12
-"""Longer stretches are not tried one hinge at a time: the orders would be too many."""
+"""Longer subchains are not tried one hinge at a time: the orders would be too many."""
 
 _NEAR = 0.2
 """Standard deviation of the random poses around known ones, as shares of the hinges' whole turns."""
 
 _STEP_BACK = 0.8
 _LEAST_STEP = 0.02
-"""Of a stretch that is not all free so much is taken, unless it is shorter than this (shares of whole turns)."""
+"""Of a subchain that is not all free so much is taken, unless it is shorter than this (shares of whole turns)."""
 
 
-class Stretch:
+class Subchain:
     """Neighbouring pieces of the chain, in order, with a count of the poses of pairs that were looked at."""
 
     def __init__(self, bodies: Bodies, pieces: IntArray, start: FloatArray, goal: FloatArray) -> None:
         self.start, self.goal = start, goal
         self.checks = 0
-        self._arrays = bodies.stretch(pieces)
+        self._arrays = bodies.subchain(pieces)
         self._floor = FLOOR * 0.5 * bodies.gap
 
     def share(self, before: FloatArray, after: FloatArray, *, whole: bool = False) -> float:
@@ -51,30 +51,29 @@ class Stretch:
         return all(self.share(a, b, whole=True) >= 1.0 for a, b in pairwise(path))
 
 
-def find(stretch: Stretch, search: str, samples: int, seed: int) -> FloatArray | None:
+def find_path(subchain: Subchain, search: str, samples: int, seed: int) -> FloatArray | None:
     """A free path by one of `riot.transform.motion.SEARCHES`; None if it finds none."""
-    turns = len(stretch.start)
+    turns = len(subchain.start)
     straight = np.zeros(turns)
     if search == "together":
-        path = np.array([stretch.start, stretch.goal])
-        return path if stretch.free(path) else None
+        path = np.array([subchain.start, subchain.goal])
+        return path if subchain.free(path) else None
     if search == "through the straight chain":
-        path = np.array([stretch.start, straight, stretch.goal])
-        return path if stretch.free(path) else None
+        path = np.array([subchain.start, straight, subchain.goal])
+        return path if subchain.free(path) else None
     if search == "sampled":
-        found = _sampled(stretch, samples, seed)
+        path_with_detours = _sampled(subchain, samples, seed)
     elif turns >= _LONG:
         return None
-    elif search == "one by one":
-        found = _ordered(stretch, np.array([stretch.start, stretch.goal]))
     else:
-        found = _ordered(stretch, np.array([stretch.start, straight, stretch.goal]))
-    return None if found is None else shorter(stretch, found)
+        stops = [subchain.start, subchain.goal] if search == "one by one" else [subchain.start, straight, subchain.goal]
+        path_with_detours = _ordered(subchain, np.array(stops))
+    return None if path_with_detours is None else shorter(subchain, path_with_detours)
 
 
-def _ordered(stretch: Stretch, stops: FloatArray) -> FloatArray | None:
+def _ordered(subchain: Subchain, stops: FloatArray) -> FloatArray | None:
     """A path on which one hinge turns at a time, from stop to stop: any order, the chain's own first."""
-    turns = len(stretch.start)
+    turns = len(subchain.start)
     last = len(stops) - 1
     dead: set[tuple[int, ...]] = set()
 
@@ -90,37 +89,37 @@ def _ordered(stretch: Stretch, stops: FloatArray) -> FloatArray | None:
         if min(state) == last:
             return [at(state)]
         for following in onward(state):
-            if following not in dead and stretch.share(at(state), at(following), whole=True) >= 1.0:
+            if following not in dead and subchain.share(at(state), at(following), whole=True) >= 1.0:
                 rest = descend(following)
                 if rest is not None:
                     return [at(state), *rest]
         dead.add(state)
         return None
 
-    found = descend((0,) * turns)
-    return None if found is None else np.array(found)
+    stops_in_order = descend((0,) * turns)
+    return None if stops_in_order is None else np.array(stops_in_order)
 
 
-def _sampled(stretch: Stretch, samples: int, seed: int) -> FloatArray | None:
+def _sampled(subchain: Subchain, samples: int, seed: int) -> FloatArray | None:
     """Two trees of poses, from P and from Q, that grow towards random poses and each other (RRT-Connect).
 
     Poses are drawn between the turns in P and those in Q: beyond them a hinge's two pieces would meet.
     """
-    whole = stretch.goal - stretch.start
+    whole = subchain.goal - subchain.start
     rng = np.random.default_rng(seed)
-    trees = (_Tree(stretch.start), _Tree(stretch.goal))
+    trees = (_Tree(subchain.start), _Tree(subchain.goal))
     for k in range(samples):
         mine, other = trees[k % 2], trees[1 - k % 2]
         if rng.random() < 0.5:
             shares = rng.random(len(whole))
         else:  # close to a known pose: the way out of a closed chain is narrow
-            known = (mine.poses[int(rng.integers(len(mine.poses)))] - stretch.start) / whole
+            known = (mine.poses[int(rng.integers(len(mine.poses)))] - subchain.start) / whole
             shares = np.clip(known + _NEAR * rng.standard_normal(len(whole)), 0.0, 1.0)
-        grown = mine.grow(stretch, stretch.start + shares * whole, whole)
+        grown = mine.grow(subchain, subchain.start + shares * whole, whole)
         if grown is None:
             continue
         target = mine.poses[grown]
-        while (reached := other.grow(stretch, target, whole)) is not None:
+        while (reached := other.grow(subchain, target, whole)) is not None:
             if np.array_equal(other.poses[reached], target):
                 halves = (mine.branch(grown), other.branch(reached))
                 first, second = halves if k % 2 == 0 else halves[::-1]
@@ -135,12 +134,12 @@ class _Tree:
         self.poses = [root]
         self.parents = [-1]
 
-    def grow(self, stretch: Stretch, target: FloatArray, whole: FloatArray) -> int | None:
+    def grow(self, subchain: Subchain, target: FloatArray, whole: FloatArray) -> int | None:
         """Go from the nearest pose towards a target as far as the way is free; the new pose, None if too near."""
         shares = (np.array(self.poses) - target) / whole
         nearest = int(np.argmin((shares * shares).sum(axis=1)))
         far = float(np.sqrt((shares[nearest] ** 2).sum()))
-        share = stretch.share(self.poses[nearest], target)
+        share = subchain.share(self.poses[nearest], target)
         if share < 1.0:
             share *= _STEP_BACK
             if share * far < _LEAST_STEP:
@@ -152,18 +151,18 @@ class _Tree:
 
     def branch(self, node: int) -> FloatArray:
         """(k, m − 1) poses from a node back to the root."""
-        found = []
+        poses = []
         while node >= 0:
-            found.append(self.poses[node])
+            poses.append(self.poses[node])
             node = self.parents[node]
-        return np.array(found)
+        return np.array(poses)
 
 
-def shorter(stretch: Stretch, path: FloatArray) -> FloatArray:
+def shorter(subchain: Subchain, path: FloatArray) -> FloatArray:
     """The path without the stops that can be left out, farthest first."""
     kept = [path[0]]
     k = 0
     while k < len(path) - 1:
-        k = next(j for j in range(len(path) - 1, k, -1) if j == k + 1 or stretch.free(path[[k, j]]))
+        k = next(j for j in range(len(path) - 1, k, -1) if j == k + 1 or subchain.free(path[[k, j]]))
         kept.append(path[k])
     return np.array(kept)

@@ -3,10 +3,10 @@
 IoU and distances hardly see detail: a corner rounded off or a straight line made wavy costs next to no area. Two
 measures do, one number a shape each:
 
-* `bending_ratio`: bending energy ∫κ² ds of the made outline over the input's, both smoothed along the boundary by a
-  Gaussian of `SCALE`. Rounding off takes energy away (below 1), waves and kinks add some (above 1); so a blunted and
+* `bending_ratio`: bending energy ∫κ² ds of the assembled outline over the input's, both smoothed along the boundary by
+  a Gaussian of `SCALE`. Rounding off takes energy away (below 1), waves and kinks add some (above 1); so a blunted and
   wavy outline can be near 1, and the ratio alone does not judge.
-* `direction_error`: mean angle between the directions of the made outline and of the input's at points that
+* `direction_error`: mean angle between the directions of the assembled outline and of the input's at points that
   correspond, in radians, at the same scale. The correspondence is monotone and the best there is, within `WINDOW`
   along the outline: every lost corner and every added wave counts, none against another, but detail that stays and is
   only displaced, a line parallel to itself or a corner along a line, is kept detail and counts next to nothing.
@@ -52,7 +52,13 @@ def bending_energy(outline: FloatArray) -> float:
 
 
 def bending_ratio(outline: FloatArray, reference: FloatArray) -> float:
-    """Bending energy of an outline (m, 2) over that of the reference (k, 2): 1 if it bends as much."""
+    """Bending energy of an outline (m, 2) over that of the reference (k, 2): 1 if it bends as much.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> corner_cut = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.8], [0.8, 1.0], [0.0, 1.0]])
+    >>> bending_ratio(corner_cut, square) < 1.0
+    True
+    """
     return bending_energy(outline) / bending_energy(reference)
 
 
@@ -60,9 +66,13 @@ def direction_error(outline: FloatArray, reference: FloatArray) -> float:
     """Mean angle, radians, between two closed polygons of the same orientation along their best correspondence.
 
     It starts where the two are nearest to each other.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> direction_error(square + 0.001, square) < 1e-9
+    True
     """
     (a, _), (b, _) = _smoothed(outline), _smoothed(reference)
-    far, near = (np.asarray(found) for found in cKDTree(b).query(a))
+    far, near = (np.asarray(values) for values in cKDTree(b).query(a))
     start = int(np.argmin(far))
     along_a, along_b = np.roll(_directions(a), -start), np.roll(_directions(b), -int(near[start]))
     window = math.ceil(SAMPLES * WINDOW / SCALE)

@@ -27,15 +27,15 @@ def to_document(motion: Motion) -> dict[str, Any]:
     }
 
 
-def from_document(found: Any, chain: Chain, place_p: Placement, place_q: Placement) -> Motion:
-    """What `to_document` wrote, for the transform with this chain; KeyError, TypeError, ValueError if it is damaged."""
+def from_document(document: Any, chain: Chain, place_p: Placement, place_q: Placement) -> Motion:
+    """Read what `to_document` wrote, for the transform with this chain; KeyError, TypeError, ValueError if damaged."""
     n = len(chain.lengths)
-    times = _numbers(found["times"], "times", (-1,))
-    turns = _numbers(found["turns"], "turns", (len(times), n))
-    levels = _numbers(found["levels"], "levels", (len(times), n))
-    cuts = [_whole(found["open_hinge"]), *map(_whole, found["lifted"])]
-    search = str(found["search"])
-    gap, relief = _numbers([found["gap"], found["relief"]], "gap and relief", (2,)).tolist()
+    times = _numbers(document["times"], "times", (-1,))
+    turns = _numbers(document["turns"], "turns", (len(times), n))
+    levels = _numbers(document["levels"], "levels", (len(times), n))
+    cuts = [_whole(document["open_hinge"]), *map(_whole, document["lifted"])]
+    search = str(document["search"])
+    gap, relief = _numbers([document["gap"], document["relief"]], "gap and relief", (2,)).tolist()
     if len(times) < 2 or times[0] != 0.0 or times[-1] != 1.0 or (np.diff(times) <= 0.0).any():
         raise ValueError("the motion's times do not increase from 0 to 1")
     if len(set(cuts)) != len(cuts) or not set(cuts) <= set(range(n)):
@@ -53,7 +53,7 @@ def from_document(found: Any, chain: Chain, place_p: Placement, place_q: Placeme
         relief=relief,
         tried=tuple(
             Attempt(_whole(first), _whole(pieces), str(name), bool(free), _whole(checks))
-            for first, pieces, name, free, checks in found["tried"]
+            for first, pieces, name, free, checks in document["tried"]
         ),
         chain=chain,
         place_p=place_p,

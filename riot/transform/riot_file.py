@@ -37,7 +37,7 @@ MAX_POINTS = 200_000
 
 def to_json(transform: Transform) -> str:
     """The transform as JSON text; floats in the shortest form that reads back to the same bits."""
-    found: dict[str, Any] = {
+    document: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         "pieces": [
@@ -56,10 +56,10 @@ def to_json(transform: Transform) -> str:
         "bound_q": transform.bound_q,
     }
     if transform.plan is not None:
-        found["motion"] = to_document(transform.plan)
+        document["motion"] = to_document(transform.plan)
     if transform.history is not None:
-        found["history"] = history.to_document(transform.history)
-    return json.dumps(found, ensure_ascii=False, separators=(",", ":"))
+        document["history"] = history.to_document(transform.history)
+    return json.dumps(document, ensure_ascii=False, separators=(",", ":"))
 
 
 def from_json(text: str, where: str = "text") -> Transform:
@@ -83,7 +83,13 @@ def from_json(text: str, where: str = "text") -> Transform:
 
 
 def save(transform: Transform, path: str | os.PathLike[str]) -> None:
-    """Write ``path``; a file already there is replaced in one step. OSError if it cannot be."""
+    """Write a ``.riot`` file, replacing an older one in one step. Raises OSError if it cannot be written.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> save(exact_transform(dudeney()), "dudeney.riot")
+    >>> len(load("dudeney.riot"))
+    4
+    """
     target = Path(path)
     temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     text = to_json(transform)
@@ -160,7 +166,7 @@ def _transform(document: dict[str, Any]) -> Transform:
     angles, conjugate = np.array(_finite(document["angles"])), np.array(_finite(document["conjugate_angles"]))
     if len(pieces) < 3 or angles.shape != (len(pieces),) or conjugate.shape != angles.shape:
         raise ValueError(f"{len(pieces)} pieces, {angles.shape} and {conjugate.shape} angles")
-    made = Transform(
+    transform = Transform(
         pieces=pieces,
         angles=angles,
         conjugate_angles=conjugate,
@@ -174,11 +180,11 @@ def _transform(document: dict[str, Any]) -> Transform:
         bound_q=_bound(document["bound_q"]),
     )
     if document.get("history") is not None:
-        made = replace(made, history=history.from_document(document["history"]))
+        transform = replace(transform, history=history.from_document(document["history"]))
     if document.get("motion") is None:
-        return made
-    plan = from_document(document["motion"], made.chain, made.place_p, made.place_q)
-    return replace(made, plan=plan)
+        return transform
+    plan = from_document(document["motion"], transform.chain, transform.place_p, transform.place_q)
+    return replace(transform, plan=plan)
 
 
 def _refuse_size(document: dict[str, Any]) -> None:

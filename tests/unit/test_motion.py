@@ -16,7 +16,7 @@ import shapely
 from riot import FormatError, Transform
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import Motion, MotionParameters, plan_motion
-from riot.motion.search import Stretch, find
+from riot.motion.search import Subchain, find_path
 from riot.transform.pose import direction
 from riot.transform.riot_file import from_json, to_json
 from riot.transform.transform import Piece
@@ -198,12 +198,12 @@ def test_every_search_finds_a_way_where_all_are_free() -> None:
     pieces = (hinge + np.arange(4)) % 4
     start, goal = (made.chain.turns(t)[pieces[1:]] for t in (0.0, 1.0))
     for search in SEARCHES:
-        stretch = Stretch(bodies, pieces, start, goal)
-        path = find(stretch, search, 300, 0)
+        subchain = Subchain(bodies, pieces, start, goal)
+        path = find_path(subchain, search, 300, 0)
         assert path is not None
         assert np.array_equal(path[0], start)
         assert np.array_equal(path[-1], goal)
-        assert stretch.free(path)
+        assert subchain.free(path)
 
 
 def test_version_1_is_read_and_has_no_plan() -> None:

@@ -1,4 +1,7 @@
-"""What textures are called: their sides and patterns. Apart from what paints, which takes long to import. Ours."""
+"""The names of textures: the sides of the pieces and the patterns (ours).
+
+This module loads no other, so that commands and configurations can name textures without loading what paints them.
+"""
 
 from __future__ import annotations
 
