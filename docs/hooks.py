@@ -12,6 +12,7 @@ import itertools
 import os
 import re
 import tempfile
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, get_type_hints
@@ -167,6 +168,15 @@ def _studies() -> Iterator[str]:
         yield f"| `{name}` | {_cell(study.meaning)} | {defaults or 'none'} |"
 
 
+def _layers() -> Iterator[str]:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    for contract in settings["tool"]["importlinter"]["contracts"]:
+        if contract["type"] == "layers":
+            lines = (", ".join(re.split(r" [|:] ", layer)) for layer in contract["layers"])
+            yield from ("```text", *(f"{package}/" for package in contract["containers"]))
+            yield from (*(f"    {line}" for line in lines), "```", "")
+
+
 def _folders() -> Iterator[str]:
     for face in sorted(path for package in ("riot", "pipeline") for path in (ROOT / package).rglob("__init__.py")):
         meaning = (ast.get_docstring(ast.parse(face.read_text(encoding="utf-8"))) or "").split("\n\n")[0]
@@ -185,5 +195,6 @@ GENERATED: dict[str, Callable[[], Iterator[str]]] = {
     "tables": _tables,
     "studies": _studies,
     "folders": _folders,
+    "layers": _layers,
 }
 """Each text that pages may ask for, by the name in its marker."""
