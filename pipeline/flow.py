@@ -241,11 +241,13 @@ def _compile(listen: Listener) -> None:
 
 def _report(folder: Path, listen: Listener) -> Path | None:
     from pipeline.report import write_report
+    from pipeline.study.contents import write_contents
 
     listen(Note("writing the report …"))
     write: Callable[[Path], Path] = write_report
     try:
         with writing_to(folder):
+            write_contents(folder)
             return write(folder)
     except StorageError:
         raise

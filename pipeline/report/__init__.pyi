@@ -1,1 +1,2 @@
+from .assets import assets_digest as assets_digest
 from .write import write_report as write_report

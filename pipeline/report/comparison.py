@@ -12,8 +12,8 @@ Row = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Made:
-    """One transform by one of the two, as `transforms` has it: areas of unit-area shapes, lengths in ``L_c``.
+class Figures:
+    """One transform by one of the two methods, as `transforms` has it: areas of unit-area shapes, lengths in ``L_c``.
 
     ``iou`` and ``hausdorff`` are of the worse shape; an exact one's residual is its certificate's, as ``gaps`` and
     ``overlaps`` of the worse assembly.
@@ -38,8 +38,8 @@ class Compared:
     rank: int
     name_p: str
     name_q: str
-    exact: Made
-    paper: Made
+    exact: Figures
+    paper: Figures
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Comparison:
     seconds_paper: float
 
     @property
-    def medians(self) -> tuple[Made, Made]:
+    def medians(self) -> tuple[Figures, Figures]:
         """Of each figure by itself: exact, and the paper's."""
         return _medians(pair.exact for pair in self.pairs), _medians(pair.paper for pair in self.pairs)
 
@@ -60,14 +60,14 @@ class Comparison:
         """What came of it, in a sentence."""
         exact, paper = self.medians
         residual = median(pair.paper.residual for pair in self.pairs)
-        said = (
+        remark = (
             f"Beside the paper's method, on the same trunks ({len(self.pairs)} of the best): median IoU "
             f"{exact.iou:.3f} exact, {paper.iou:.3f} the paper's, whose pieces leave "
             f"{residual:.1g} of gaps, overlaps and outside"
         )
         if math.isfinite(self.seconds_exact) and math.isfinite(self.seconds_paper):
-            said += f"; {self.seconds_exact:.2g} s and {self.seconds_paper:.2g} s a pair"
-        return f"{said}."
+            remark += f"; {self.seconds_exact:.2g} s and {self.seconds_paper:.2g} s a pair"
+        return f"{remark}."
 
 
 def read_comparison(transforms: Iterable[Row], timings: Iterable[Row]) -> Comparison | None:
@@ -79,15 +79,15 @@ def read_comparison(transforms: Iterable[Row], timings: Iterable[Row]) -> Compar
     return Comparison(pairs, times.get("construct", math.nan), times.get("paper", math.nan))
 
 
-def _medians(made: Iterable[Made]) -> Made:
-    return Made(*(median(column) for column in zip(*map(astuple, made), strict=True)))
+def _medians(made: Iterable[Figures]) -> Figures:
+    return Figures(*(median(column) for column in zip(*map(astuple, made), strict=True)))
 
 
 def _compared(row: Row) -> Compared:
     gaps, overlaps = max((abs(row[f"gap_{side}"]), abs(row[f"overlap_{side}"])) for side in "pq")
-    exact = Made(row["iou"], gaps, overlaps, 0.0, max(row["hausdorff_p"], row["hausdorff_q"]))
+    exact = Figures(row["iou"], gaps, overlaps, 0.0, max(row["hausdorff_p"], row["hausdorff_q"]))
     names = ("paper_iou", "paper_gaps", "paper_overlaps", "paper_outside", "paper_hausdorff")
-    return Compared(row["rank"], row["name_i"], row["name_j"], exact, Made(*(row[name] for name in names)))
+    return Compared(row["rank"], row["name_i"], row["name_j"], exact, Figures(*(row[name] for name in names)))
 
 
 def _seconds(row: Row) -> float:

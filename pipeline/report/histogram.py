@@ -1,4 +1,4 @@
-"""Distributions of scores: counted in one pass over any number of values, drawn as SVG bars."""
+"""Distributions of scores: counted in one pass over any number of values, and laid out as bars."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.report.markup import count, number
-from riot.draw.svg import escape
+from pipeline.report.formats import THIN, count, number
 from riot.types import FloatArray, IntArray
 
 CELLS = 10_000
@@ -20,6 +19,9 @@ WIDTH, HEIGHT = 460, 170
 """Of the drawing, in its own units."""
 
 LEFT, RIGHT, BELOW, ABOVE = 46, 14, 22, 8
+
+MARKS = (("median", 0.5), (f"90{THIN}%", 0.9), (f"99{THIN}%", 0.99))
+"""Quantiles that the summary names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,49 +61,75 @@ def distribution(chunks: Iterable[FloatArray]) -> Distribution:
     return Distribution(cells, least, greatest)
 
 
-def figure(found: Distribution, title: str, unit: str, logarithmic: bool = False) -> str:
-    """A captioned histogram: ``title`` says of what, ``unit`` what is counted (both text).
+@dataclass(frozen=True)
+class Tick:
+    """A horizontal line at ``y`` of the drawing, or a label at ``x``."""
+
+    words: str
+    x: float = 0.0
+    y: float = 0.0
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A bar of the drawing: its upper left corner, its size, and how many values of which range it stands for."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    words: str
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """A captioned histogram, laid out in a drawing of ``width`` by ``height``; without values it has no bars."""
+
+    title: str
+    total: int
+    summary: str = ""
+    logarithmic: bool = False
+    bars: tuple[Bar, ...] = ()
+    ticks: tuple[Tick, ...] = ()
+    labels: tuple[Tick, ...] = ()
+    width: int = WIDTH
+    height: int = HEIGHT
+    left: int = LEFT
+    wide: int = WIDTH - LEFT - RIGHT
+
+
+def histogram(values: Distribution, title: str, unit: str, logarithmic: bool = False) -> Histogram:
+    """Lay out a distribution: ``title`` says of what, ``unit`` what is counted.
 
     ``logarithmic`` draws the decadic logarithm of the counts plus one, for a distribution whose tail is what matters.
+
+    >>> [bar.words for bar in histogram(distribution([np.array([0.5, 0.51, 0.9])]), "IoU", "pairs").bars]
+    ['0.50 to 0.52: 2 pairs', '0.90 to 0.92: 1 pairs']
     """
-    if not found.total:
-        return f'<figure class="plot"><figcaption><b>{escape(title)}</b> no values</figcaption></figure>'
-    marks = (("median", 0.5), ("90\N{NARROW NO-BREAK SPACE}%", 0.9), ("99\N{NARROW NO-BREAK SPACE}%", 0.99))
-    quantiles = ", ".join(f"{name} {number(found.quantile(share))}" for name, share in marks)
-    summary = f"{count(found.total)} {unit}; {quantiles}, greatest {number(found.greatest)}"
-    scale = " (logarithmic)" if logarithmic else ""
-    return (
-        f'<figure class="plot"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img">'
-        f"<title>{escape(f'Histogram of {title}: {summary}')}</title>{_bars(found, unit, logarithmic)}</svg>"
-        f"<figcaption><b>{escape(title)}</b> {escape(summary)}{scale}</figcaption></figure>"
-    )
-
-
-def _bars(found: Distribution, unit: str, logarithmic: bool) -> str:
-    per_bar = found.cells.reshape(BARS, -1).sum(axis=1)
+    if not values.total:
+        return Histogram(title, 0)
+    quantiles = ", ".join(f"{name} {number(values.quantile(share))}" for name, share in MARKS)
+    summary = f"{count(values.total)} {unit}; {quantiles}, greatest {number(values.greatest)}"
+    per_bar = values.cells.reshape(BARS, -1).sum(axis=1)
     tall = np.log10(per_bar + 1.0) if logarithmic else per_bar.astype(np.float64)
     ticks = _ticks(int(per_bar.max()), logarithmic)
-    top = max(float(tall.max()), max(where for where, _ in ticks))
+    top = max(float(tall.max()), max(value for value, _ in ticks))
     wide, high = WIDTH - LEFT - RIGHT, HEIGHT - BELOW - ABOVE
     base = ABOVE + high
-    parts = []
-    for where, name in ticks:
-        y = base - high * where / top
-        parts.append(f'<path class="grid" d="M{LEFT} {y:.1f}h{wide}"/>')
-        parts.append(f'<text x="{LEFT - 6}" y="{y + 3.5:.1f}" text-anchor="end">{name}</text>')
-    for k in range(BARS):
-        if not per_bar[k]:
-            continue
-        x, height = LEFT + wide * k / BARS, max(high * tall[k] / top, 1.0)
-        said = f"{k / BARS:.2f} to {(k + 1) / BARS:.2f}: {count(int(per_bar[k]))} {unit}"
-        parts.append(
-            f'<rect class="bar" x="{x + 0.5:.1f}" y="{base - height:.1f}" width="{wide / BARS - 1:.1f}" '
-            f'height="{height:.1f}"><title>{escape(said)}</title></rect>'
-        )
-    for k in range(6):
-        x = LEFT + wide * k / 5
-        parts.append(f'<text x="{x:.1f}" y="{HEIGHT - 5}" text-anchor="middle">{k / 5:.1f}</text>')
-    return "".join(parts)
+    bars = []
+    for k in np.flatnonzero(per_bar).tolist():
+        height = max(high * float(tall[k]) / top, 1.0)
+        words = f"{k / BARS:.2f} to {(k + 1) / BARS:.2f}: {count(int(per_bar[k]))} {unit}"
+        bars.append(Bar(LEFT + wide * k / BARS + 0.5, base - height, wide / BARS - 1, height, words))
+    return Histogram(
+        title,
+        values.total,
+        summary,
+        logarithmic,
+        tuple(bars),
+        tuple(Tick(words, y=base - high * value / top) for value, words in ticks),
+        tuple(Tick(f"{k / 5:.1f}", x=LEFT + wide * k / 5) for k in range(6)),
+    )
 
 
 def _ticks(most: int, logarithmic: bool) -> list[tuple[float, str]]:

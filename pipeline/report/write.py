@@ -6,15 +6,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.report import gallery
 from pipeline.report.card import Card, card
-from pipeline.report.gallery import INDEX, SCRIPT, STYLE, index, page_name, thumb_name
-from pipeline.report.gallery_style import gallery_style
-from pipeline.report.page import SHOWN_CARDS, dataset_name, page
-from pipeline.report.rows import TransformRow, read_run
-from pipeline.report.script import SCRIPT_TEXT
-from pipeline.report.single import single
-from pipeline.report.studies import write_contents
+from pipeline.report.page import SHOWN_CARDS, Rejection, page
+from pipeline.report.rows import TransformRow
+from pipeline.report.run import read_run
 from pipeline.report.thumb import thumb
+from pipeline.report.transform_page import transform_page
 from pipeline.store.store import write_atomically
 from pipeline.tables.outputs import new_place, replace_folder
 from pipeline.tables.record import GALLERY
@@ -25,9 +23,6 @@ from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
 
 REPORT = "report.html"
-
-Lost = tuple[TransformRow, str]
-"""A row whose file could not be read, and why."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,48 +36,47 @@ def write_report(run_dir: Path) -> Path:
     """Write ``report.html`` and ``gallery/`` into the folder of a finished run; returns the report's path.
 
     Both depend on the run's tables, `run.json`, transforms and skins alone: the same ones give the same bytes; the
-    gallery shows no times, so equal runs have equal galleries. The page of studies, to which the report leads, is
-    written as well. A transform whose file is gone or damaged is listed as
-    such instead of stopping the report. Raises `pipeline.report.rows.ReportError` (a FileNotFoundError) if a table is
+    gallery shows no times, so equal runs have equal galleries. A transform whose file is gone or damaged is listed as
+    such instead of stopping the report. Raises `pipeline.report.run.ReportError` (a FileNotFoundError) if a table is
     missing. Ours.
     """
     run = read_run(run_dir)
-    puzzles = {int(row["rank"]): row for row in run.fabrications}
-    lost: list[Lost] = []
+    puzzles = {puzzle.rank: puzzle for puzzle in run.puzzles}
+    lost: list[Rejection] = []
     rows: list[TransformRow] = []
     cards: list[Card] = []
     temporary = new_place(run_dir)
     temporary.mkdir()
-    for before, one, after in _between(_readable(run_dir, run.made, lost)):
-        shown = card(one.row, one.transform, one.skins)
-        around = [None if other is None else other.row for other in (before, after)]
-        _write(temporary / page_name(one.row), single(shown, one.transform, puzzles.get(one.row.rank), *around))
-        _write(temporary / thumb_name(one.row), thumb(one.transform, one.skins))
-        rows.append(one.row)
+    for before, now, after in _between(_readable(run_dir, run.made, lost)):
+        row = now.row
+        shown = card(row, now.transform, now.skins)
+        neighbours = [None if other is None else other.row for other in (before, after)]
+        _write(temporary / row.page, transform_page(shown, now.transform, puzzles.get(row.rank), *neighbours))
+        _write(temporary / row.thumb, thumb(now.transform, now.skins))
+        rows.append(row)
         if len(cards) < SHOWN_CARDS:
             cards.append(shown)
-    printed = frozenset(rank for rank, row in puzzles.items() if row["folder"])
-    _write(temporary / INDEX, index(dataset_name(run), rows, printed))
-    _write(temporary / STYLE, gallery_style())
-    _write(temporary / SCRIPT, SCRIPT_TEXT)
+    printed = frozenset(rank for rank, puzzle in puzzles.items() if puzzle.folder)
+    _write(temporary / gallery.INDEX, gallery.index(run.name, rows, printed))
+    for name, text in gallery.files().items():
+        _write(temporary / name, text)
     replace_folder(temporary, run_dir / GALLERY)
-    write_contents(run_dir)
     target = run_dir / REPORT
-    links = {row.rank: f"{GALLERY}/{page_name(row)}" for row in rows}
+    links = {row.rank: f"{GALLERY}/{row.page}" for row in rows}
     write_atomically(target, page(run, cards, lost, links).encode())
     return target
 
 
-def _readable(run_dir: Path, rows: Iterable[TransformRow], lost: list[Lost]) -> Iterator[_Drawn]:
+def _readable(run_dir: Path, rows: Iterable[TransformRow], lost: list[Rejection]) -> Iterator[_Drawn]:
     """The transforms whose files can be read; the others are added to ``lost``."""
     for row in rows:
         try:
             text = (run_dir / row.file).read_text(encoding="utf-8", errors="replace")
             transform = from_json(text, row.file)
         except FileNotFoundError:
-            lost.append((row, f"{row.file} is gone; run again to restore it"))
+            lost.append(Rejection(row, "unreadable", f"{row.file} is gone; run again to restore it"))
         except FormatError as error:
-            lost.append((row, str(error)))
+            lost.append(Rejection(row, "unreadable", str(error)))
         else:
             yield _Drawn(row, transform, read_skins(run_dir, row.file, len(transform)))
 

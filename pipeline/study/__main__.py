@@ -20,7 +20,7 @@ from pipeline.config.schema import build
 from pipeline.errors import ConfigError
 from pipeline.exit_codes import BAD_START, CLEAN
 from pipeline.flow import run_folder
-from pipeline.report.studies import write_contents
+from pipeline.study.contents import write_contents
 from pipeline.study.findings import write_findings
 from pipeline.study.finished import Finished
 from pipeline.study.registry import STUDIES

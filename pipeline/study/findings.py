@@ -1,4 +1,4 @@
-"""What a study found, and how it is written: a table with units, figures, and a page. Ours."""
+"""The findings of a study, and how they are written: a table with units, figures, and a page. Ours."""
 
 from __future__ import annotations
 
@@ -16,12 +16,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from pipeline.report.markup import document, section, table
-from pipeline.report.style import style_sheet
+from pipeline.report.environment import render
 from pipeline.store.store import write_atomically
-from pipeline.study.names import LEAD, PAGE, TABLE
+from pipeline.study.registry import LEAD, PAGE, TABLE
 from pipeline.tables.schemas import schema
-from riot.draw.svg import escape
 
 DOTS_PER_INCH = 160
 
@@ -37,6 +35,20 @@ class Sheet:
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
     numeric: int = 1
+
+    @property
+    def columns(self) -> tuple[tuple[str, bool], ...]:
+        """The head of each column, and whether numbers stand below it."""
+        return tuple((name, place >= self.numeric) for place, name in enumerate(self.head))
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the page: an SVG file in base64; a wide one fills the page's width."""
+
+    data: str
+    caption: str
+    wide: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,24 +79,26 @@ def encoded(table: pa.Table) -> bytes:
     return stream.getvalue()
 
 
-def write_findings(found: Findings, folder: Path) -> Path:
+def write_findings(findings: Findings, folder: Path) -> Path:
     """Write the table, every figure as PNG and SVG, the other files, and the page, whose path is returned.
 
     The same findings give the same bytes.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    said = {**(found.table.schema.metadata or {}), LEAD: found.lead.encode()}
-    write_atomically(folder / TABLE, encoded(found.table.replace_schema_metadata(said)))
-    for name, content in found.files.items():
+    metadata = {**(findings.table.schema.metadata or {}), LEAD: findings.lead.encode()}
+    write_atomically(folder / TABLE, encoded(findings.table.replace_schema_metadata(metadata)))
+    for name, content in findings.files.items():
         write_atomically(folder / name, content)
-    shown = []
-    for name, (figure, caption) in found.figures.items():
+    pictures = []
+    for name, (figure, caption) in findings.figures.items():
         drawn = svg(figure, name)
         write_atomically(folder / f"{name}.svg", drawn)
         write_atomically(folder / f"{name}.png", png(figure))
         width, height = figure.get_size_inches()
-        shown.append(_picture(drawn, caption, width > WIDE * height))
-    write_atomically(folder / PAGE, _page(found, shown).encode())
+        # As an image of its own, the ids of one figure do not meet those of another.
+        pictures.append(Picture(base64.b64encode(drawn).decode(), caption, width > WIDE * height))
+    page = render("study.html", findings=findings, pictures=pictures, table=TABLE)
+    write_atomically(folder / PAGE, page.encode())
     return folder / PAGE
 
 
@@ -101,39 +115,3 @@ def svg(figure: Figure, name: str) -> bytes:
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):
         FigureCanvasSVG(figure).print_figure(stream, format="svg", metadata={"Date": None, "Creator": None})
     return stream.getvalue()
-
-
-def _picture(drawn: bytes, caption: str, wide: bool) -> str:
-    # As an image of its own, the ids of one figure do not meet those of another.
-    data = base64.b64encode(drawn).decode()
-    said, style, kind = escape(caption), "display:block;width:100%", "plot wide" if wide else "plot"
-    return (
-        f'<figure class="{kind}"><img alt="{said}" style="{style}" src="data:image/svg+xml;base64,{data}">'
-        f"<figcaption>{said}</figcaption></figure>"
-    )
-
-
-def _page(found: Findings, pictures: Sequence[str]) -> str:
-    sections = [
-        section(
-            f"s{number}",
-            sheet.title,
-            '<div class="sheet">'
-            + table(
-                [escape(name) for name in sheet.head],
-                [[escape(cell) for cell in row] for row in sheet.rows],
-                [place >= sheet.numeric for place in range(len(sheet.head))],
-                sheet.title,
-            )
-            + "</div>",
-        )
-        for number, sheet in enumerate(found.sheets)
-    ]
-    if pictures:
-        sections.append(section("figures", "Figures", f'<div class="plots">{"".join(pictures)}</div>'))
-    body = (
-        f'<header class="top"><p class="kicker"><a href="../index.html">Studies</a></p><h1>{escape(found.title)}</h1>'
-        f'<p class="lead">{escape(found.lead)}</p></header>\n<main>\n{"".join(sections)}</main>\n'
-        f"<footer>Every value is in {TABLE} beside this page.</footer>\n"
-    )
-    return document(found.title, f"<style>{style_sheet()}</style>", body)

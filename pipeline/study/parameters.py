@@ -17,8 +17,8 @@ from pipeline.study.findings import Findings, Sheet, encoded, of_columns
 from pipeline.study.finished import Finished
 from pipeline.study.groundtruth import PIECES
 from pipeline.study.hidden import hide
-from pipeline.study.names import TIMES
 from pipeline.study.ordering import Order, orders
+from pipeline.study.registry import TIMES
 from pipeline.study.statistics import wilson
 from pipeline.study.varied import Outcome, vary
 from pipeline.tables.schemas import column
@@ -119,7 +119,7 @@ def _findings(
     of, counted = len(outcomes[0].error), len(outcomes[0].trunks)
     trunk_rows = [
         (SYMBOLS[one.parameter], _value(one), f"{one.found} of {of}",
-         "{:.0%} – {:.0%}".format(*wilson(one.found / 2, of // 2)), f"{one.mean_error:.4f}",
+         "{:.0%} – {:.0%}".format(*wilson(one.found, of, together=2)), f"{one.mean_error:.4f}",
          f"{np.median(one.trunks):.0f}", f"{one.trunks.mean():.0f}")
         for one in outcomes
     ]  # fmt: skip

@@ -206,7 +206,7 @@ def _figure(name: str, target: float | None, results: Sequence[tuple[int, bool]]
     good, of = sum(ok for _, ok in results), len(results)
     sizes = sorted({n for n, _ in results})
     by_n = {n: (sum(ok for m, ok in results if m == n), sum(m == n for m, _ in results)) for n in sizes}
-    return Figure(name, good, of, *wilson(good / together, of // together), target, by_n)
+    return Figure(name, good, of, *wilson(good, of, together), target, by_n)
 
 
 def quantiles(close: Sequence[Closeness]) -> dict[str, dict[str, float]]:

@@ -1,41 +1,31 @@
-"""The studies by name. What a study is lies in the module of its name, which is loaded when it is asked for."""
+"""The studies by name, each with what it asks, and the names of the files that each writes into its folder.
+
+A study is the module of its name in this package, with ``Parameters``, a dataclass with defaults, and ``study``, which
+makes its findings of a finished run.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from importlib import import_module
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
 
-from pipeline.study.findings import Findings
-from pipeline.study.finished import Finished
-from pipeline.study.names import MEANINGS
+STUDIES: Mapping[str, str] = MappingProxyType(
+    {
+        "consistency": "how far QCRS orders pairs as CRS does",
+        "distributions": "how scores are spread, by class",
+        "groundtruth": "whether hidden exact pairs are found",
+        "parameters": "what the method's parameters do",
+        "quiz": "pairs to judge, as the paper's people did",
+        "sigmas": "what a greater σ_A of QCRS gains and costs",
+        "timing": "what each step costs, beside the paper",
+    }
+)
+"""The one list of studies; `pipeline/study/__init__.pyi` offers their modules."""
 
-Say = Callable[[str], None]
+TABLE, PAGE = "table.parquet", "report.html"
 
+TIMES = "times.parquet"
+"""What varies between equal runs, so that `TABLE` does not."""
 
-@dataclass(frozen=True)
-class Study:
-    """A study: its name, and what it tells in a line.
-
-    Its module has ``Parameters``, a dataclass with defaults, and ``study``, which makes its findings.
-    """
-
-    name: str
-    meaning: str
-
-    @property
-    def parameters(self) -> type:
-        """What it can be told."""
-        return self._module().Parameters  # type: ignore[no-any-return]
-
-    def run(self, finished: Finished, parameters: Any, say: Say) -> Findings:
-        """Make its findings of a run."""
-        return self._module().study(finished, parameters, say)  # type: ignore[no-any-return]
-
-    def _module(self) -> Any:
-        return import_module(f"pipeline.study.{self.name}")
-
-
-STUDIES: Mapping[str, Study] = MappingProxyType({name: Study(name, meaning) for name, meaning in MEANINGS.items()})
+LEAD = b"lead"
+"""Key of the findings in a sentence or two, in the metadata of `TABLE`."""

@@ -17,8 +17,8 @@ from pipeline.study import plots
 from pipeline.study.consistency import uniform
 from pipeline.study.findings import Findings, Sheet, encoded, of_columns
 from pipeline.study.finished import Finished
-from pipeline.study.names import TIMES
 from pipeline.study.partners import Partners
+from pipeline.study.registry import TIMES
 from pipeline.study.statistics import Agreement, agreement
 from pipeline.tables.schemas import column
 from riot.parameters.method import QCRS_VARIANTS, QcrsParameters, QcrsVariant

@@ -167,7 +167,7 @@ def test_the_built_reference_is_complete(site):
     parameters = shown_in(site, "reference/parameters.html")
     assert [name for name in allowed_names() if name not in parameters] == []
     studies = shown_in(site, "howto/studies.html")
-    assert all(name in studies and study.meaning in studies for name, study in STUDIES.items())
+    assert all(name in studies and meaning in studies for name, meaning in STUDIES.items())
     commands = shown_in(site, "reference/commands.html")
     assert all(f"riot {name}" in commands for name in ("make", "trunks", "show", "print", "slices", "match"))
     for text in (tables, parameters, studies, commands):

@@ -1,11 +1,4 @@
-"""The gallery's script: filters and sorts the list that is there, and moves by keys. Plain JavaScript. Ours.
-
-What is chosen stands after the ``#`` of the address, so that it is there again when the reader comes back.
-"""
-
-from __future__ import annotations
-
-SCRIPT_TEXT = r"""'use strict';
+'use strict';
 const typing = event => event.target.matches('input:not([type=checkbox]),select,textarea') ||
   event.ctrlKey || event.metaKey || event.altKey;
 
@@ -114,4 +107,3 @@ function single() {
 const form = document.querySelector('.controls'), list = document.querySelector('.grid');
 if (form && list) gallery(form, list);
 else if (!form) single();
-"""

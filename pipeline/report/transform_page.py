@@ -1,0 +1,34 @@
+"""A transform's own page in the gallery: its card, how it moves, its puzzle, and where it comes from. Ours."""
+
+from __future__ import annotations
+
+from pipeline.report.card import Card
+from pipeline.report.environment import render
+from pipeline.report.gallery import INDEX, SCRIPT, STYLE
+from pipeline.report.rows import PuzzleRow, TransformRow
+from riot.motion.planner import motion_of
+from riot.transform.history import told
+from riot.transform.transform import Transform
+
+
+def transform_page(
+    card: Card,
+    transform: Transform,
+    puzzle: PuzzleRow | None,
+    before: TransformRow | None,
+    after: TransformRow | None,
+) -> str:
+    """The page of one card and its transform's motion, puzzle and history; it leads on to ``before`` and ``after``."""
+    return render(
+        "transform.html",
+        card=card,
+        row=card.row,
+        motion=None if card.row.approximate else motion_of(transform),
+        puzzle=puzzle,
+        history=None if transform.history is None else "\n".join(told(transform.history)),
+        before=before,
+        after=after,
+        index=INDEX,
+        style=STYLE,
+        script=SCRIPT,
+    )
