@@ -24,12 +24,9 @@ import pipeline.cli.cache
 import pipeline.cli.main
 import pipeline.datasets.fetch
 import pipeline.tables.measures
-<<<<<<< HEAD
+from pipeline import study
 from pipeline.config.command_line import group_choices
 from pipeline.config.schema import Config
-=======
-from pipeline import study
->>>>>>> 8ec5046 (Write the pages by jinja templates, with style sheets and scripts as files)
 from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS, SWEEP
 from riot import Shape, construct
@@ -168,7 +165,9 @@ def _tables() -> Iterator[str]:
 def _studies() -> Iterator[str]:
     yield "| study | asks | parameters |\n|---|---|---|"
     for name, meaning in STUDIES.items():
-        defaults = ", ".join(f"`{field.name}={field.default}`" for field in dataclasses.fields(getattr(study, name).Parameters))
+        defaults = ", ".join(
+            f"`{field.name}={field.default}`" for field in dataclasses.fields(getattr(study, name).Parameters)
+        )
         yield f"| `{name}` | {_cell(meaning)} | {defaults or 'none'} |"
 
 

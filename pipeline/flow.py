@@ -34,6 +34,7 @@ from pipeline.plan.plan import (
     plan_select,
     plan_shortlist,
 )
+from pipeline.report.assets import assets_digest
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.execute import Run, open_run
 from pipeline.runtime.quarantine import bring_scores, bring_shapes
@@ -116,7 +117,7 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
     plan = make_plan(config, collection)
     with open_run(config.store, config.cluster, partial(_compile, listen), listen, unwritable) as run:
         results = _stages(plan, collection, run)
-    digest = outcome_digest(results)
+    digest = outcome_digest(results, assets_digest())
     code = WITH_ERRORS if results.errors or results.blocked else CLEAN
     nothing_new = all(stage.computed == 0 and stage.failed == 0 for stage in results.stages)
     if nothing_new and holds(folder, digest):

@@ -7,7 +7,7 @@ from pipeline.report.environment import render
 from pipeline.report.gallery import INDEX, SCRIPT, STYLE
 from pipeline.report.rows import PuzzleRow, TransformRow
 from riot.motion.planner import motion_of
-from riot.transform.history import told
+from riot.transform.provenance import describe_history
 from riot.transform.transform import Transform
 
 
@@ -25,7 +25,7 @@ def transform_page(
         row=card.row,
         motion=None if card.row.approximate else motion_of(transform),
         puzzle=puzzle,
-        history=None if transform.history is None else "\n".join(told(transform.history)),
+        history=None if transform.history is None else "\n".join(describe_history(transform.history)),
         before=before,
         after=after,
         index=INDEX,

@@ -18,7 +18,7 @@ from pipeline.study.finished import Finished
 from pipeline.study.quiz_pairs import Pair
 from riot.draw.palette import LIGHT
 from riot.draw.panels import DETAIL
-from riot.draw.scene import Path, Scene
+from riot.draw.scene import Region, Scene
 from riot.draw.svg import fragment, page_colours
 from riot.geometry.polyline import simplify
 from riot.transform.transform import Transform
@@ -104,7 +104,7 @@ def _silhouettes(finished: Finished, number: int, pair: Pair) -> tuple[Markup, M
 
 def _silhouette(points: FloatArray, title: str, half: float) -> Markup:
     drawn = points[simplify(points, DETAIL)]
-    scene = Scene(title, (-half, -half, half, half), half / 60.0, (), (Path(drawn, "silhouette"),))
+    scene = Scene(title, (-half, -half, half, half), half / 60.0, (), (Region((drawn,), "silhouette"),))
     return Markup(fragment(scene, ""))
 
 

@@ -24,7 +24,7 @@ GALLERY = "gallery"
 STUDY = "study"
 FORMAT = "riot-run"
 VERSION = 1
-SHOWING = ("pipeline.tables.write", "pipeline.report")
+SHOWING = ("pipeline.tables.write", "pipeline.report.write", "pipeline.study.contents")
 """Modules whose code decides what tables and report look like."""
 
 LIBRARIES = (
@@ -41,12 +41,14 @@ LIBRARIES = (
 )
 
 
-def outcome_digest(results: Results) -> str:
-    """Digest of everything that the tables and the report show, times aside."""
+def outcome_digest(results: Results, assets: str) -> str:
+    """Digest of everything that the tables and the report show, times aside; ``assets`` is that of the templates."""
     items = [[item.name, item.cls, results.source(item), item.digest] for item in results.plan.items]
     work = [[*item.reference, item.reference in results.done] for items in results.work.values() for item in items]
     code = {name: digest for module in SHOWING for name, digest in code_digests(module).items()}
-    return digest_text(canonical_json([VERSION, items, work, results.errors, code, metadata.version("pyarrow")]))
+    return digest_text(
+        canonical_json([VERSION, items, work, results.errors, code, assets, metadata.version("pyarrow")])
+    )
 
 
 def plain_config(config: Any) -> dict[str, Any]:

@@ -50,13 +50,14 @@ def open_nursery() -> Iterator[Nursery]:
 
 def _serve(connection: Connection) -> None:
     import pipeline.flow
-    import pipeline.report
+    import pipeline.report.write
+    import pipeline.study.contents
     from pipeline.plan.code_digest import code_digests, library_versions
     from pipeline.stages.registry import STAGES
     from pipeline.tables.record import SHOWING
     from riot.kernels.warm import warm_all
 
-    assert pipeline.flow and pipeline.report
+    assert pipeline.flow and pipeline.report.write and pipeline.study.contents
     warm_all(lambda text: None)
     for module in (*SHOWING, *(stage.module for stage in STAGES)):  # parsed once here, and not in every life
         code_digests(module)

@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 from html_page import Page
 
-from pipeline.report import write_report
-from pipeline.report.gallery import INDEX, ORDERS, SCRIPT, STYLE, index, page_name, thumb_name
-from pipeline.report.gallery_style import gallery_style
+from pipeline.report import gallery, write_report
+from pipeline.report.gallery import INDEX, ORDERS, SCRIPT, STYLE, index
 from pipeline.report.page import SHOWN_CARDS
-from pipeline.report.rows import read_run
-from pipeline.report.script import SCRIPT_TEXT
+from pipeline.report.run import read_run
 from pipeline.report.thumb import thumb
+from pipeline.study.contents import write_contents
 from pipeline.tables.record import GALLERY
 from riot.transform.history import History, Step
 
@@ -44,6 +43,7 @@ def run(tmp_path_factory):
     refused = names | {"rank": 2, "status": "refused", "folder": "", "message": "the neck of piece 2 is <thin>"}
     fake_run.write_fake_run(folder, made=made, fabrications=[puzzle, refused])
     (folder / "print" / "0001").mkdir(parents=True)
+    write_contents(folder)
     write_report(folder)
     return folder
 
@@ -75,13 +75,13 @@ def many(rows, run, tmp_path_factory):
     """The gallery of those rows, as files."""
     folder = tmp_path_factory.mktemp("many")
     (folder / INDEX).write_text(index("many", rows, frozenset({2, 9})), encoding="utf-8")
-    (folder / STYLE).write_text(gallery_style(), encoding="utf-8")
-    (folder / SCRIPT).write_text(SCRIPT_TEXT, encoding="utf-8")
+    for name, text in gallery.files().items():
+        (folder / name).write_text(text, encoding="utf-8")
     pictures = sorted((run / GALLERY).glob("*.svg"))
     for k, row in enumerate(rows):
-        shutil.copy(pictures[k % len(pictures)], folder / thumb_name(row))
-    single = (run / GALLERY / page_name(read_run(run).made[0])).read_text(encoding="utf-8")
-    (folder / page_name(rows[0])).write_text(single, encoding="utf-8")
+        shutil.copy(pictures[k % len(pictures)], folder / row.thumb)
+    single = (run / GALLERY / read_run(run).made[0].page).read_text(encoding="utf-8")
+    (folder / rows[0].page).write_text(single, encoding="utf-8")
     return folder
 
 
@@ -108,10 +108,10 @@ def test_is_a_plain_list_without_script(run):
     made = read_run(run).made
     (form,) = parsed.all("form")
     assert "hidden" in form  # until the script shows it
-    names = [page_name(row) for row in made]
+    names = [row.page for row in made]
     assert [attrs["href"] for attrs in parsed.all("a") if attrs["href"].startswith("0")] == names
     pictures = parsed.all("img")
-    assert [attrs["src"] for attrs in pictures] == [thumb_name(row) for row in made]
+    assert [attrs["src"] for attrs in pictures] == [row.thumb for row in made]
     assert all(attrs["loading"] == "lazy" and attrs["alt"] and attrs["width"] for attrs in pictures)
     shown = "".join(parsed.text)
     for row in made:
@@ -120,7 +120,7 @@ def test_is_a_plain_list_without_script(run):
 
 def test_a_page_tells_all_of_its_transform(run):
     made = read_run(run).made
-    texts = [(run / GALLERY / page_name(row)).read_text(encoding="utf-8") for row in made]
+    texts = [(run / GALLERY / row.page).read_text(encoding="utf-8") for row in made]
     first, second, last = Page(texts[0]), Page(texts[1]), Page(texts[-1])
     rels = [[attrs.get("rel") for attrs in page.all("a") if "rel" in attrs] for page in (first, second, last)]
     assert rels == [["up", "next"], ["prev", "up", "next"], ["prev", "up"]]
@@ -149,9 +149,9 @@ def test_an_older_gallery_is_replaced_and_lost_transforms_are_not_in_it(run, tmp
     write_report(folder)
     names = {file.name for file in (folder / GALLERY).iterdir()}
     kept = [row for row in made if row.rank != 2]
-    assert names == {INDEX, STYLE, SCRIPT, *map(page_name, kept), *map(thumb_name, kept)}
-    page = Page((folder / GALLERY / page_name(made[0])).read_text(encoding="utf-8"))
-    assert [one["href"] for one in page.all("a") if one.get("rel") == "next"] == [page_name(made[2])]
+    assert names == {INDEX, STYLE, SCRIPT, *(row.page for row in kept), *(row.thumb for row in kept)}
+    page = Page((folder / GALLERY / made[0].page).read_text(encoding="utf-8"))
+    assert [one["href"] for one in page.all("a") if one.get("rel") == "next"] == [made[2].page]
 
 
 def test_a_small_picture_shows_both_shapes_at_one_scale_in_light_and_dark():
@@ -176,7 +176,7 @@ def test_the_report_shows_the_best_and_leads_to_the_others(run, tmp_path, monkey
     made = read_run(folder).made
     assert len(re.findall('<article class="card"', text)) == 2
     links = [attrs["href"] for attrs in Page(text).all("a")]
-    assert "#t2" in links and "#t3" not in links and f"{GALLERY}/{page_name(made[2])}" in links
+    assert "#t2" in links and "#t3" not in links and f"{GALLERY}/{made[2].page}" in links
     assert f"{GALLERY}/{INDEX}" in links
 
 
@@ -293,8 +293,8 @@ def test_keys_lead_through_the_gallery(tab, rows, many):
     ):
         tab.keyboard.press(press)  # two in a row at this width
         assert tab.evaluate(focused) == str(found[place]), press
-    opened = page_name(rows[found[0] - 1])
-    shutil.copy(many / page_name(rows[0]), many / opened)
+    opened = rows[found[0] - 1].page
+    shutil.copy(many / rows[0].page, many / opened)
     tab.keyboard.press("Enter")
     tab.wait_for_url(f"**/{opened}", wait_until=READY)
     tab.keyboard.press("Escape")

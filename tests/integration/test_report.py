@@ -11,12 +11,13 @@ import pytest
 from html_page import Page
 
 from pipeline.report import write_report
+from pipeline.report.formats import residual
 from pipeline.report.histogram import CELLS, distribution
-from pipeline.report.markup import small
-from pipeline.report.rows import ReportError, read_run
+from pipeline.report.run import ReportError, read_run
 from pipeline.stages.paint import pack_skins
 from pipeline.stages.paper import same_trunks
 from pipeline.store.artifact import Artifact, encode
+from pipeline.study.contents import write_contents
 from pipeline.tables import schemas as tables
 from riot.construction.laplacian import construct_laplacian
 from riot.draw.palette import hue
@@ -31,6 +32,7 @@ def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("outputs") / "fake"
     folder.mkdir()
     made = fake_run.write_fake_run(folder)
+    write_contents(folder)
     return folder, made, write_report(folder).read_text(encoding="utf-8")
 
 
@@ -226,7 +228,7 @@ def test_what_a_reader_could_wonder_about_is_said(tmp_path):
 
 
 def test_residuals_of_any_size_are_markup():
-    shown = [small(value) for value in (0.0, 7e-16, 0.05, 3.0, 2e12, float("nan"))]
+    shown = [residual(value) for value in (0.0, 7e-16, 0.05, 3.0, 2e12, float("nan"))]
     assert shown == ["0", "7·10<sup>−16</sup>", "5·10<sup>−2</sup>", "3·10<sup>0</sup>", "2·10<sup>12</sup>", "–"]
 
 

@@ -11,9 +11,9 @@ import pytest
 from html_page import Page
 from small_runs import CLEAN, pictures, run
 
-from pipeline.report.studies import write_contents
 from pipeline.study import consistency
 from pipeline.study.__main__ import main
+from pipeline.study.contents import write_contents
 from pipeline.study.finished import Finished
 from pipeline.study.registry import STUDIES
 from pipeline.study.statistics import agreement

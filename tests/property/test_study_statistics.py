@@ -83,7 +83,7 @@ def test_intervals_hold_the_share_and_shrink() -> None:
     for good, trials in ((0, 20), (9, 10), (20, 20), (774, 1000)):
         low, high = wilson(good, trials)
         assert 0.0 <= low <= good / trials <= high <= 1.0
-        wider = wilson(good / 10, trials // 10) if trials >= 100 else (low, high)
+        wider = wilson(good, trials, together=10) if trials >= 100 else (low, high)
         assert wider[1] - wider[0] >= high - low
 
 

@@ -18,7 +18,8 @@ from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
 from pipeline.errors import ConfigError
 from pipeline.plan.plan import WorkItem, make_plan, plan_fabrications
-from pipeline.report.puzzles import puzzles
+from pipeline.report.environment import render
+from pipeline.report.rows import PuzzleRow, typed_row
 from pipeline.stages.fabricate import run
 from pipeline.stages.registry import BY_NAME, recipe
 from pipeline.store.artifact import Artifact, decode, encode
@@ -159,7 +160,8 @@ def test_the_report_tells_what_became_of_every_puzzle(made: Artifact) -> None:
         {**none, **pair, "rank": 1, "folder": "print/0001_a_b", **made.document},
         {**none, **pair, "rank": 2, "folder": "", **refused.document},
     ]
-    text = puzzles(rows, {1: "#t1"})
+    puzzles = [typed_row(PuzzleRow, row) for row in rows]
+    text = render("puzzles.html", puzzles=puzzles, links={1: "#t1"})
     assert 'href="print/0001_a_b/"' in text and 'href="#t1"' in text and 'href="#t2"' not in text
     assert "&lt;a&gt;" in text and "<a>" not in text and "enlarge size_mm" in text
     assert text.count('href="print/') == 1

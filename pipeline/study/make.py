@@ -1,0 +1,63 @@
+"""Make one study of a finished run: arguments in, files of its findings out. Ours."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+from omegaconf import OmegaConf
+
+from pipeline.config.command_line import check_command, complete
+from pipeline.config.schema import build
+from pipeline.errors import ConfigError
+from pipeline.flow import run_folder
+from pipeline.study.contents import write_contents
+from pipeline.study.findings import Findings, write_findings
+from pipeline.study.finished import Finished
+from pipeline.tables.record import STUDY
+from riot.kernels.warm import warm_all
+
+Say = Callable[[str], None]
+
+
+class Study(Protocol):
+    """A module that is a study: ``Parameters`` is a dataclass with defaults."""
+
+    @property
+    def Parameters(self) -> type: ...
+
+    def study(self, finished: Finished, parameters: Any, say: Say) -> Findings: ...
+
+
+def make_study(name: str, study: Study, arguments: Sequence[str], say: Say) -> tuple[Findings, Path]:
+    """Make a study of the run that ``arguments`` name; returns its findings and the path of their page.
+
+    Raises `RiotError` if the arguments are wrong or the run cannot be read.
+    """
+    own, others = split(arguments, study.Parameters)
+    parameters: Any = build(study.Parameters, own)
+    config = check_command(complete(others))
+    warm_all(say)
+    folder = run_folder(config)
+    findings = study.study(Finished.open(folder), parameters, say)
+    page = write_findings(findings, folder / STUDY / name)
+    write_contents(folder)
+    return findings, page
+
+
+def split(arguments: Sequence[str], parameters: type) -> tuple[dict[str, Any], list[str]]:
+    """The values of a study's own parameters, and the arguments that are the run's; raises `ConfigError`.
+
+    >>> from pipeline.study.consistency import Parameters
+    >>> split(["pairs=20", "outputs=here"], Parameters)
+    ({'pairs': 20}, ['outputs=here'])
+    """
+    names = {field.name for field in dataclasses.fields(parameters)}
+    own = [argument for argument in arguments if argument.partition("=")[0] in names]
+    if any("=" not in argument for argument in own):
+        raise ConfigError(f"{own[0]}: give a value, {own[0]}=…")
+    values = OmegaConf.to_container(OmegaConf.from_dotlist(own))
+    assert isinstance(values, dict)
+    return {str(name): value for name, value in values.items()}, [item for item in arguments if item not in own]
