@@ -50,6 +50,12 @@ def animate_svg(transform: Transform, images: PieceImages = NO_IMAGES) -> str:
     It is `Transform.motion`, planned now if it was not: no two pieces of a plane meet. Every piece has key frames of
     translation and rotation, eased at both ends; hinges are dots, larger where they lift, the ends of the open hinge
     rings. With ``images`` the pieces show their front.
+
+    Examples
+    --------
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> animate_svg(exact_transform(dudeney())).count("<animateTransform")  # a move and a turn of each of four pieces
+    8
     """
     prefix = naming(sketch(transform).pieces, images)
     swing = swing_of(transform, prefix, images)

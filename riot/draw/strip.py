@@ -27,6 +27,15 @@ def draw_strip(transform: Transform, path: str | os.PathLike[str], images: Piece
 
     The same transform gives the same bytes. Raises `riot.draw.files.PictureFormatError` (a ValueError) for another
     suffix, and OSError if the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> with TemporaryDirectory() as folder:
+    ...     draw_strip(exact_transform(dudeney()), Path(folder) / "dudeney.pdf")
+    ...     (Path(folder) / "dudeney.pdf").read_bytes()[:8]
+    b'%PDF-1.4'
     """
     write_scene(Path(path), lambda: strip_scene(transform, images=images))
 
