@@ -1,7 +1,6 @@
 from . import certificate as certificate
 from . import checks as checks
 from . import clearance as clearance
-from . import course as course
 from . import export as export
 from . import layers as layers
 from . import model as model
@@ -9,6 +8,7 @@ from . import outlines as outlines
 from . import plates as plates
 from . import shelves as shelves
 from . import solid as solid
+from . import sub_chains as sub_chains
 from . import sweep as sweep
 from . import telescope as telescope
 from .certificate import Built as Built

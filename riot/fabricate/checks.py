@@ -14,10 +14,10 @@ import numpy as np
 import shapely
 
 from riot.fabricate.clearance import HEIGHT_TOLERANCE, Proof, least_gaps, make_regions, proven, proven_at_hinge
-from riot.fabricate.course import Stretch, stretches
 from riot.fabricate.model import Design, HingeEnd, PieceDesign, Slab
 from riot.fabricate.outlines import disc, mends, narrowest
 from riot.fabricate.solid import Part, genus
+from riot.fabricate.sub_chains import SubChain, sub_chains
 from riot.transform.motion import LIFT
 from riot.types import FloatArray
 
@@ -213,15 +213,15 @@ def _check_telescope(design: Design, hinge: int, parts: tuple[Part, ...]) -> Hin
 def check_motion(design: Design, parts: tuple[Part, ...]) -> MotionCheck:
     """Verify the whole way from P to Q."""
     floor = design.parameters.gap_mm - LENGTH_TOLERANCE
-    course = stretches(design.motion, design.scale)
+    chains = sub_chains(design.motion, design.scale)
     failures: list[str] = []
     looked, gap, holds = 0, math.inf, True
-    for stretch in course:
-        least, proof, said = _check_stretch(design, stretch, floor)
+    for sub_chain in chains:
+        least, proof, said = _check_sub_chain(design, sub_chain, floor)
         gap, looked, holds = min(gap, least), looked + proof.looked, holds and proof.holds
         failures += said
-    if len(course) > 1:
-        said = _check_lifting(design, course, floor)
+    if len(chains) > 1:
+        said = _check_lifting(design, chains, floor)
         holds = holds and not said
         failures += said
     times = pose_times(design)
@@ -234,19 +234,19 @@ def check_motion(design: Design, parts: tuple[Part, ...]) -> MotionCheck:
     return MotionCheck(floor, holds, looked, gap, len(times), overlap, tuple(failures))
 
 
-def _check_stretch(design: Design, stretch: Stretch, floor: float) -> tuple[float, Proof, list[str]]:
+def _check_sub_chain(design: Design, sub_chain: SubChain, floor: float) -> tuple[float, Proof, list[str]]:
     """Least gap, proof and failures of the pieces that share a plane."""
-    pieces = [design.pieces[i] for i in stretch.pieces]
+    pieces = [design.pieces[i] for i in sub_chain.pieces]
     ends = [(piece.start, piece.end) for piece in pieces]
     regions = make_regions([piece.footprint for piece in pieces], ends, [piece.length for piece in pieces])
-    nearest = min(least_gaps(stretch, regions), key=lambda found: found.gap, default=None)
+    nearest = min(least_gaps(sub_chain, regions), key=lambda found: found.gap, default=None)
     gap = math.inf if nearest is None else nearest.gap
-    proof, said = proven(design.motion, stretch, regions, floor), []
+    proof, said = proven(design.motion, sub_chain, regions, floor), []
     looked, holds = proof.looked, proof.holds
     if not proof.holds:
         assert nearest is not None
         one, two = pieces[nearest.i], pieces[nearest.j]
-        time = float(stretch.times[nearest.sample])
+        time = float(sub_chain.times[nearest.sample])
         hinge = f" at hinge {two.start.hinge}" if nearest.j == nearest.i + 1 else ""
         said.append(
             f"{one.name} and {two.name}{hinge} come within {nearest.gap:.3f} mm at time {time:.2f} "
@@ -264,13 +264,13 @@ def _check_stretch(design: Design, stretch: Stretch, floor: float) -> tuple[floa
     return gap, Proof(holds, proof.time, looked), said
 
 
-def _check_lifting(design: Design, course: list[Stretch], floor: float) -> list[str]:
+def _check_lifting(design: Design, chains: list[SubChain], floor: float) -> list[str]:
     """Failures of pieces to lift past each other in the closed P and the closed Q.
 
     A piece that rises meets of another all that is higher than its own lowest: so every layer of the one must be
     clear, in plan, of all of the other's that end above its lower face.
     """
-    plane = {int(piece): k for k, stretch in enumerate(course) for piece in stretch.pieces}
+    plane = {int(piece): k for k, sub_chain in enumerate(chains) for piece in sub_chain.pieces}
     said = []
     for t in (0.0, 1.0):
         placed = [_plan(design, i, t) for i in range(len(design.pieces))]

@@ -10,9 +10,9 @@ import numpy as np
 import shapely
 from shapely import affinity
 
-from riot.fabricate.course import Stretch, moving, stretch_at
 from riot.fabricate.model import HingeEnd, PieceDesign, filled, polygons
 from riot.fabricate.outlines import disc, parts, subtract
+from riot.fabricate.sub_chains import SubChain, moving, sub_chain_at
 from riot.kernels.collide import clear_share, separation
 from riot.transform.motion import Motion
 from riot.types import FloatArray, IntArray
@@ -38,7 +38,7 @@ MARGIN = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Regions:
-    """Flat regions of the pieces of one stretch, three a piece, as `riot.kernels.collide` takes them; mm.
+    """Flat regions of the pieces of one sub-chain, three a piece, as `riot.kernels.collide` takes them; mm.
 
     Region 3k is what piece k covers, 3k + 1 the same without the room around the hinge at its start, 3k + 2 at its
     end: of two pieces on one hinge these count.
@@ -53,7 +53,7 @@ class Regions:
 
 @dataclass(frozen=True)
 class Nearest:
-    """The least gap between two pieces of a stretch (members i < j) among the samples, and where it is."""
+    """The least gap between two pieces of a sub-chain (members i < j) among the samples, and where it is."""
 
     i: int
     j: int
@@ -90,21 +90,21 @@ def outside(region: shapely.Geometry, end: HingeEnd) -> shapely.Geometry:
     return region.difference(disc(end.x, end.y, end.relief_radius))
 
 
-def least_gaps(stretch: Stretch, regions: Regions) -> list[Nearest]:
-    """The least gap of every two pieces over the samples of a stretch, `CAP_MM` or more if it is wider."""
+def least_gaps(sub_chain: SubChain, regions: Regions) -> list[Nearest]:
+    """The least gap of every two pieces over the samples of a sub-chain, `CAP_MM` or more if it is wider."""
     found = []
-    for i, j in combinations(range(len(stretch.pieces)), 2):
-        gaps = pair_gaps(stretch, regions, i, j)
+    for i, j in combinations(range(len(sub_chain.pieces)), 2):
+        gaps = pair_gaps(sub_chain, regions, i, j)
         k = int(gaps.argmin())
         found.append(Nearest(i, j, float(gaps[k]), k))
     return found
 
 
-def pair_gaps(stretch: Stretch, regions: Regions, i: int, j: int) -> FloatArray:
+def pair_gaps(sub_chain: SubChain, regions: Regions, i: int, j: int) -> FloatArray:
     """(k,) gap of two pieces at every sample, mm; `CAP_MM` or more where it is wider."""
     a, b = (3 * i + 2, 3 * j + 1) if j == i + 1 else (3 * i, 3 * j)
-    at = stretch.seen_from(i, stretch.points[:, j])
-    turned = stretch.headings[:, j] - stretch.headings[:, i]
+    at = sub_chain.seen_from(i, sub_chain.points[:, j])
+    turned = sub_chain.headings[:, j] - sub_chain.headings[:, i]
     places = np.concatenate([at, turned[:, None]], axis=1)
     return np.array(
         [separation(regions.points, regions.rings, regions.bodies, a, b, place, CAP_MM) for place in places]
@@ -121,12 +121,12 @@ class Proof:
     looked: int
 
 
-def proven(motion: Motion, stretch: Stretch, regions: Regions, floor: float) -> Proof:
-    """Whether all pieces of a stretch stay ``floor`` mm or more apart at every moment, not only at samples.
+def proven(motion: Motion, sub_chain: SubChain, regions: Regions, floor: float) -> Proof:
+    """Whether all pieces of a sub-chain stay ``floor`` mm or more apart at every moment, not only at samples.
 
     By conservative advancement (`riot.kernels.collide.clear_share`) from key frame to key frame.
     """
-    return _proven(motion, stretch.pieces[1:], regions, floor)
+    return _proven(motion, sub_chain.pieces[1:], regions, floor)
 
 
 def proven_at_hinge(motion: Motion, one: PieceDesign, two: PieceDesign, floor: float) -> Proof:
@@ -177,7 +177,7 @@ def shaved(
     ends: list[tuple[HingeEnd, HingeEnd]],
     lengths: list[float],
     motion: Motion,
-    course: list[Stretch],
+    chains: list[SubChain],
     gap: float,
     scale: float,
 ) -> list[shapely.Polygon]:
@@ -187,18 +187,18 @@ def shaved(
     samples, then wherever between them the gap turns out to be less, `TRIES` times at most.
     """
     made = list(bodies)
-    for stretch in course:
-        _shave(made, ends, lengths, stretch, gap)
-        pieces = stretch.pieces.tolist()
+    for sub_chain in chains:
+        _shave(made, ends, lengths, sub_chain, gap)
+        pieces = sub_chain.pieces.tolist()
         for _ in range(TRIES):
             regions = make_regions([made[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
-            proof = proven(motion, stretch, regions, gap)
+            proof = proven(motion, sub_chain, regions, gap)
             if proof.holds:
                 break
-            before = int(np.searchsorted(stretch.times, proof.time, side="right")) - 1
-            after = min(before + 2, len(stretch.times) - 1)
-            times = np.linspace(stretch.times[before], stretch.times[after], FINER)
-            _shave(made, ends, lengths, stretch_at(motion, scale, stretch.pieces, times), gap + MARGIN)
+            before = int(np.searchsorted(sub_chain.times, proof.time, side="right")) - 1
+            after = min(before + 2, len(sub_chain.times) - 1)
+            times = np.linspace(sub_chain.times[before], sub_chain.times[after], FINER)
+            _shave(made, ends, lengths, sub_chain_at(motion, scale, sub_chain.pieces, times), gap + MARGIN)
     return made
 
 
@@ -206,25 +206,25 @@ def _shave(
     made: list[shapely.Polygon],
     ends: list[tuple[HingeEnd, HingeEnd]],
     lengths: list[float],
-    stretch: Stretch,
+    sub_chain: SubChain,
     gap: float,
 ) -> None:
     """Take off of the pieces in ``made`` what is nearer than the gap at a sample."""
-    pieces = stretch.pieces.tolist()
+    pieces = sub_chain.pieces.tolist()
     regions = make_regions([made[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
     for i, j in combinations(range(len(pieces)), 2):
-        near = np.flatnonzero(pair_gaps(stretch, regions, i, j) < gap)
+        near = np.flatnonzero(pair_gaps(sub_chain, regions, i, j) < gap)
         if len(near) == 0:
             continue
         keep, cut = sorted((i, j), key=lambda k: made[pieces[k]].area)
         kept = made[pieces[keep]]
         if j == i + 1:
             kept = outside(kept, ends[pieces[keep]][1 if keep == i else 0])
-        made[pieces[cut]] = _shaved(stretch, made[pieces[cut]], kept, cut, keep, near, gap)
+        made[pieces[cut]] = _shaved(sub_chain, made[pieces[cut]], kept, cut, keep, near, gap)
 
 
 def _shaved(
-    stretch: Stretch,
+    sub_chain: SubChain,
     body: shapely.Polygon,
     other: shapely.Geometry,
     member: int,
@@ -236,8 +236,8 @@ def _shaved(
     grown = other.buffer(gap + MARGIN, quad_segs=8)
     cuts = []
     for k in samples.tolist():
-        turn = float(stretch.headings[k, neighbour] - stretch.headings[k, member])
-        origin = stretch.seen_from(member, stretch.points[:, neighbour])[k]
+        turn = float(sub_chain.headings[k, neighbour] - sub_chain.headings[k, member])
+        origin = sub_chain.seen_from(member, sub_chain.points[:, neighbour])[k]
         c, s = math.cos(turn), math.sin(turn)
         cuts.append(affinity.affine_transform(grown, [c, -s, s, c, *origin.tolist()]))
     left = parts(subtract(body, shapely.union_all(cuts)))

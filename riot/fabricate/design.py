@@ -13,10 +13,10 @@ import shapely
 
 from riot.errors import FabricationError as FabricationError
 from riot.fabricate.clearance import shaved
-from riot.fabricate.course import stretches
 from riot.fabricate.layers import make_slabs
 from riot.fabricate.model import Design, HingeEnd, Kind, PieceDesign, Pin
 from riot.fabricate.outlines import SPARE, corner, make_outline, mends, narrowest
+from riot.fabricate.sub_chains import sub_chains
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
 from riot.geometry.polyline import extent, signed_area
@@ -63,14 +63,14 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
     motion = _motion(transform, parameters, scale)
     telescope = make_telescope(parameters) if motion.lifted else None
     ends = _ends(motion, parameters, telescope, scale)
-    course = stretches(motion, scale)
-    keep_hinges_apart(ends, course, transform, parameters, scale)
+    chains = sub_chains(motion, scale)
+    keep_hinges_apart(ends, chains, transform, parameters, scale)
 
     raw = [scale * piece.polygon for piece in transform.pieces]
     outlines = [make_outline(points, i, parameters) for i, points in enumerate(raw)]
-    bodies = cleared(outlines, ends, course, transform, parameters.gap_mm, scale)
+    bodies = cleared(outlines, ends, chains, transform, parameters.gap_mm, scale)
     lengths = [scale * piece.length for piece in transform.pieces]
-    bodies = shaved(bodies, ends, lengths, motion, course, parameters.gap_mm, scale)
+    bodies = shaved(bodies, ends, lengths, motion, chains, parameters.gap_mm, scale)
     pieces, warnings = [], []
     for i in range(len(transform)):
         made = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], parameters)

@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 
 from riot.errors import FabricationError
-from riot.fabricate.course import Stretch
 from riot.fabricate.model import HingeEnd
 from riot.fabricate.outlines import GRID, parts, subtract
+from riot.fabricate.sub_chains import SubChain
 from riot.parameters.fabrication import ALLOWED, FabricationParameters
 from riot.transform.transform import Transform
 from riot.types import FloatArray
@@ -25,7 +25,7 @@ Ends = list[tuple[HingeEnd, HingeEnd]]
 
 
 def keep_hinges_apart(
-    ends: Ends, course: list[Stretch], transform: Transform, parameters: FabricationParameters, scale: float
+    ends: Ends, chains: list[SubChain], transform: Transform, parameters: FabricationParameters, scale: float
 ) -> None:
     """Raise `FabricationError` if two hinges' knuckles meet anywhere on the way, with the size at which they do not."""
     n = len(ends)
@@ -36,15 +36,15 @@ def keep_hinges_apart(
     for t, points in zip((0.0, 1.0), closed, strict=True):
         apart = np.hypot(*np.moveaxis(points[:, None] - points[None], 2, 0))
         where, distance = np.where(apart < distance, t, where), np.minimum(apart, distance)
-    for stretch in course:
-        hinges = _hinges(stretch, n)
+    for sub_chain in chains:
+        hinges = _hinges(sub_chain, n)
         for a, i in enumerate(hinges):
             for b, j in enumerate(hinges[:a]):
-                apart = np.hypot(*(stretch.points[:, a] - stretch.points[:, b]).T)
+                apart = np.hypot(*(sub_chain.points[:, a] - sub_chain.points[:, b]).T)
                 k = int(apart.argmin())
                 if apart[k] < distance[i, j]:
                     distance[i, j] = distance[j, i] = apart[k]
-                    where[i, j] = where[j, i] = stretch.times[k]
+                    where[i, j] = where[j, i] = sub_chain.times[k]
     worst: tuple[float, int, int] | None = None
     for i in range(n):
         for j in range(i):
@@ -70,7 +70,7 @@ def keep_hinges_apart(
 def cleared(
     outlines: list[shapely.Polygon],
     ends: Ends,
-    course: list[Stretch],
+    chains: list[SubChain],
     transform: Transform,
     gap: float,
     scale: float,
@@ -83,13 +83,13 @@ def cleared(
     n = len(ends)
     radii = _radii(ends)
     paths: list[list[tuple[float, FloatArray]]] = [[] for _ in outlines]
-    for stretch in course:
-        for member, piece in enumerate(stretch.pieces.tolist()):
-            for place, hinge in enumerate(_hinges(stretch, n)):
+    for sub_chain in chains:
+        for member, piece in enumerate(sub_chain.pieces.tolist()):
+            for place, hinge in enumerate(_hinges(sub_chain, n)):
                 if hinge not in (piece, (piece + 1) % n) and radii[hinge] > 0.0:
-                    seen = stretch.seen_from(member, stretch.points[:, place])
+                    seen = sub_chain.seen_from(member, sub_chain.points[:, place])
                     paths[piece].append((radii[hinge], seen))
-    for t in (0.0, 1.0) if len(course) > 1 else ():
+    for t in (0.0, 1.0) if len(chains) > 1 else ():
         pose = transform.pose(t)
         for piece in range(n):
             c, s = math.cos(pose.headings[piece]), math.sin(pose.headings[piece])
@@ -114,9 +114,9 @@ def _less(outline: shapely.Polygon, swept: list[tuple[float, FloatArray]], gap: 
     return shapely.Polygon(left[0].exterior) if left else shapely.Polygon()
 
 
-def _hinges(stretch: Stretch, n: int) -> list[int]:
-    """The hinges at the stretch's points: every piece's start, and the end of the last."""
-    return [*stretch.pieces.tolist(), (int(stretch.pieces[-1]) + 1) % n]
+def _hinges(sub_chain: SubChain, n: int) -> list[int]:
+    """The hinges at the sub-chain's points: every piece's start, and the end of the last."""
+    return [*sub_chain.pieces.tolist(), (int(sub_chain.pieces[-1]) + 1) % n]
 
 
 def _radii(ends: Ends) -> list[float]:

@@ -19,10 +19,10 @@ from riot.fabricate import Design, FabricationError, FabricationParameters, Piec
 from riot.fabricate import certificate as certificate_module
 from riot.fabricate.certificate import certify, fix
 from riot.fabricate.checks import placed_parts
-from riot.fabricate.course import STEP, stretches
 from riot.fabricate.model import Slab
 from riot.fabricate.outlines import disc, mends, narrowest
 from riot.fabricate.solid import extruded, genus, make_parts
+from riot.fabricate.sub_chains import STEP, sub_chains
 from riot.fabricate.telescope import make_telescope
 from riot.geometry.polyline import extent, signed_area
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
@@ -178,13 +178,13 @@ def test_size_is_the_long_side_of_the_larger_shape(pair: tuple[int, int]) -> Non
 
 def test_samples_of_the_course_agree_with_the_motion_and_are_close() -> None:
     made = lifted_design()
-    for stretch in stretches(made.motion, made.scale):
-        assert np.abs(np.diff(stretch.headings, axis=0)).max(initial=0.0) <= STEP * (1.0 + 1e-9)
-        for k in (0, len(stretch.times) // 2, len(stretch.times) - 1):
-            pose = made.motion.pose_at(float(stretch.times[k]))
-            origins = made.scale * pose.origins[stretch.pieces]
+    for sub_chain in sub_chains(made.motion, made.scale):
+        assert np.abs(np.diff(sub_chain.headings, axis=0)).max(initial=0.0) <= STEP * (1.0 + 1e-9)
+        for k in (0, len(sub_chain.times) // 2, len(sub_chain.times) - 1):
+            pose = made.motion.pose_at(float(sub_chain.times[k]))
+            origins = made.scale * pose.origins[sub_chain.pieces]
             apart = np.linalg.norm(origins[:, None] - origins[None], axis=2)
-            points = stretch.points[k, :-1]
+            points = sub_chain.points[k, :-1]
             assert np.allclose(apart, np.linalg.norm(points[:, None] - points[None], axis=2), atol=1e-9)
 
 

@@ -15,7 +15,7 @@ STEP = math.radians(2.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class SubChain:
     """Pieces that keep to one plane together, sampled along the motion.
 
     Parameters
@@ -49,8 +49,8 @@ class Stretch:
         return placed
 
 
-def stretches(motion: Motion, scale: float) -> list[Stretch]:
-    """The stretches of the chain between the open hinge and the lifting ones, lowest plane first.
+def sub_chains(motion: Motion, scale: float) -> list[SubChain]:
+    """The parts of the chain between the open hinge and the lifting ones, lowest plane first.
 
     Samples are so close that no piece turns by more than `STEP` against another between two of them.
     """
@@ -59,11 +59,11 @@ def stretches(motion: Motion, scale: float) -> list[Stretch]:
     found = []
     for cut, following in zip(cuts, (*cuts[1:], cuts[0]), strict=True):
         pieces = (cut + np.arange((following - cut - 1) % n + 1)) % n
-        found.append(stretch_at(motion, scale, pieces, _times(motion, pieces[1:])))
+        found.append(sub_chain_at(motion, scale, pieces, _times(motion, pieces[1:])))
     return found
 
 
-def stretch_at(motion: Motion, scale: float, pieces: IntArray, times: FloatArray) -> Stretch:
+def sub_chain_at(motion: Motion, scale: float, pieces: IntArray, times: FloatArray) -> SubChain:
     """These pieces, in chain order, at these times (k,) of the motion."""
     hinges = pieces[1:].tolist()
     turns = np.array([np.interp(times, motion.times, motion.turns[:, hinge]) for hinge in hinges]).T
@@ -71,7 +71,7 @@ def stretch_at(motion: Motion, scale: float, pieces: IntArray, times: FloatArray
     lengths = scale * motion.chain.lengths[pieces]
     edges = lengths[None, :, None] * np.stack([np.cos(headings), np.sin(headings)], axis=2)
     points = np.concatenate([np.zeros((len(times), 1, 2)), np.cumsum(edges, axis=1)], axis=1)
-    return Stretch(pieces, times, headings, points)
+    return SubChain(pieces, times, headings, points)
 
 
 def moving(motion: Motion) -> FloatArray:
