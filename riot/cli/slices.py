@@ -138,7 +138,7 @@ def _paperwork(puzzle: slices.Puzzle) -> list[Callable[[Path], None]]:
     return [write]
 
 
-def _print_table(stack: slices.Stack, outcomes: Sequence[slices.Outcome]) -> None:
+def _print_table(stack: slices.Stack, outcomes: Sequence[slices.SliceOutcome]) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=PIPED_WIDTH)

@@ -9,8 +9,8 @@ from .cut import Cut as Cut
 from .cut import Slice as Slice
 from .cut import Stack as Stack
 from .cut import cut as cut
-from .make import Outcome as Outcome
 from .make import Puzzle as Puzzle
+from .make import SliceOutcome as SliceOutcome
 from .make import make_puzzles as make_puzzles
 from .model import Model as Model
 from .model import ModelError as ModelError

@@ -13,7 +13,7 @@ from riot.fabricate.export.flat import write_flat_files
 from riot.fabricate.export.folder import new_folder
 from riot.fabricate.export.solids import write_puzzle
 from riot.slices.cut import Stack
-from riot.slices.make import Outcome, Puzzle
+from riot.slices.make import Puzzle, SliceOutcome
 from riot.slices.picture import draw_overview, draw_slices
 from riot.transform.deformation import overlap_ratios
 from riot.transform.riot_file import save
@@ -26,7 +26,7 @@ DIGITS = 6
 
 def write_set(
     stack: Stack,
-    outcomes: Sequence[Outcome],
+    outcomes: Sequence[SliceOutcome],
     folder: Path,
     more: Callable[[Puzzle], Sequence[Callable[[Path], None]]] | None = None,
 ) -> list[Path]:
@@ -54,7 +54,7 @@ def write_set(
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
 
-def folder_name(outcome: Outcome) -> str:
+def folder_name(outcome: SliceOutcome) -> str:
     """Of a slice that is made: ``slice-3-heart``; what no file name should hold is replaced."""
     assert outcome.puzzle is not None
     name = re.sub(r"[^\w.-]+", "_", outcome.puzzle.counterpart)
@@ -75,7 +75,7 @@ def _write_puzzle(
     write_puzzle(made.design, made.parts, made.certificate, folder, [transform, laser, *(more(puzzle) if more else ())])
 
 
-def set_document(stack: Stack, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def set_document(stack: Stack, outcomes: Sequence[SliceOutcome]) -> dict[str, Any]:
     """What ``set.json`` holds: how the object was cut, and of every slice its areas, counterpart, numbers or reason."""
     return {
         "format": FORMAT,
@@ -91,7 +91,7 @@ def set_document(stack: Stack, outcomes: Sequence[Outcome]) -> dict[str, Any]:
     }
 
 
-def _entry(each: Outcome) -> dict[str, Any]:
+def _entry(each: SliceOutcome) -> dict[str, Any]:
     cut, puzzle = each.slice, each.puzzle
     entry: dict[str, Any] = {
         "slice": cut.number,

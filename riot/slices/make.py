@@ -53,8 +53,8 @@ class Puzzle:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
-    """What became of a slice: a puzzle, or None with the reason; and the counterparts that were tried in vain."""
+class SliceOutcome:
+    """The result of one slice: its puzzle, or None with the reason, and the counterparts that were tried in vain."""
 
     slice: Slice
     puzzle: Puzzle | None
@@ -75,7 +75,7 @@ def make_puzzles(
     mend: bool = False,
     sampling: ShapeParameters | None = None,
     note: Callable[[str], None] = lambda said: None,
-) -> tuple[Outcome, ...]:
+) -> tuple[SliceOutcome, ...]:
     """Make every slice of a stack; of ``parameters`` size and thickness are the slices' own.
 
     ``distinct``: each counterpart is taken once at most. ``mend``: pins may get thinner and knuckles thicker, but no
@@ -104,7 +104,7 @@ def make_puzzles(
             reason = f"{len(tried)} tried in vain; the most promising, {tried[0].counterpart}: {tried[0].reason}"
         elif distinct and any(planned.plans for planned in table.get(k, {}).values()):
             reason = "other slices took the counterparts that it can become: give more counterparts"
-        outcomes.append(Outcome(each, puzzles.get(k), reason, tried))
+        outcomes.append(SliceOutcome(each, puzzles.get(k), reason, tried))
     return tuple(outcomes)
 
 

@@ -17,7 +17,7 @@ from riot.draw.scene import Bitmap, Label, Mark, Region, Scene, extent, moved
 from riot.draw.solid import Body, Eye, View, mesh, prisms, render
 from riot.fabricate.export.paper import rings
 from riot.slices.cut import Slice, Stack
-from riot.slices.make import Outcome, Puzzle
+from riot.slices.make import Puzzle, SliceOutcome
 from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
 
@@ -36,7 +36,7 @@ _PENS_ACROSS = 1100.0
 _NAME_LENGTH = 28
 
 
-def draw_overview(stack: Stack, outcomes: Sequence[Outcome], path: Path) -> None:
+def draw_overview(stack: Stack, outcomes: Sequence[SliceOutcome], path: Path) -> None:
     """Draw the object, the stack of its slices, and the same slices turned inside out, as PNG; the same bytes always.
 
     Object and stack stand as the file has them; turned slices lie one over the other.
@@ -63,13 +63,13 @@ def draw_overview(stack: Stack, outcomes: Sequence[Outcome], path: Path) -> None
     path.write_bytes(png_bytes(scene, round(scene.box[2])))
 
 
-def draw_slices(outcomes: Sequence[Outcome], path: Path) -> None:
+def draw_slices(outcomes: Sequence[SliceOutcome], path: Path) -> None:
     """Draw every slice that was made, a row each, lowest last: the outline and what it becomes, the pieces as the slice
     and as its counterpart, and the counterpart; the suffix (svg, png, pdf) chooses the format."""
     write_scene(path, lambda: slices_scene(outcomes))
 
 
-def slices_scene(outcomes: Sequence[Outcome]) -> Scene:
+def slices_scene(outcomes: Sequence[SliceOutcome]) -> Scene:
     """The picture of `draw_slices` before it has a format; shapes have unit area."""
     rows = [(each.slice, each.puzzle) for each in reversed(outcomes) if each.puzzle is not None]
     panels = [_panels(puzzle.transform) for _, puzzle in rows]

@@ -16,7 +16,7 @@ from pipeline.datasets import sample
 from riot import Shape, Transform
 from riot.cli.main import main
 from riot.fabricate import FabricationParameters
-from riot.slices import Cut, Model, ModelError, Outcome, Puzzle, Stack, cut, make_puzzles, shortlists
+from riot.slices import Cut, Model, ModelError, Puzzle, SliceOutcome, Stack, cut, make_puzzles, shortlists
 from riot.slices.files import set_document, write_set
 from riot.slices.picture import draw_overview, slices_scene
 
@@ -40,7 +40,7 @@ def counterparts() -> list[Shape]:
     return [sample.shape(f"{sample.PREFIX}{name}") for name in NAMES]
 
 
-Done = tuple[Stack, tuple[Outcome, ...], Path]
+Done = tuple[Stack, tuple[SliceOutcome, ...], Path]
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Done:
     return stack, outcomes, folder
 
 
-def puzzles(done: Done) -> list[tuple[Outcome, Puzzle]]:
+def puzzles(done: Done) -> list[tuple[SliceOutcome, Puzzle]]:
     return [(each, each.puzzle) for each in done[1] if each.puzzle is not None]
 
 
@@ -177,7 +177,7 @@ def test_a_slice_is_mended_when_told_to() -> None:
     stack = cut(Model("egg", low_egg()), Cut(1, 16.0, along="z"))
     thick = FabricationParameters(pin_mm=8.0, wall_mm=4.0)
 
-    def made(mend: bool) -> Outcome:
+    def made(mend: bool) -> SliceOutcome:
         (outcome,) = make_puzzles(stack, lambda slices: shortlists(slices, counterparts()[1:2], 1), thick, mend=mend)
         return outcome
 

@@ -18,7 +18,7 @@ import pytest
 from pipeline.plan.code_digest import code_digests
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("riot",)
+PACKAGES = ("riot", "pipeline")
 COMPUTING = (
     *("ingest", "reversibility", "trunks", "qcrs", "partners", "select", "trunks_full", "crs", "refine", "shortlist"),
     *("construct", "motion", "paper"),
@@ -93,7 +93,7 @@ def module_of(name: str) -> str:
 def test_no_files_import_each_other_in_a_circle() -> None:
     graph: dict[str, set[str]] = {module: set() for module in files()}
     for each in project_imports():
-        graph[each.module].add(module_of(each.target))
+        graph[each.module] |= {module_of(each.target)} - {each.module}
     assert sum(map(len, graph.values())) > 2 * len(graph)
     try:
         TopologicalSorter(graph).prepare()
@@ -101,8 +101,9 @@ def test_no_files_import_each_other_in_a_circle() -> None:
         pytest.fail(f"these files import each other in a circle: {' → '.join(error.args[1])}")
 
 
-def test_no_function_imports_the_project() -> None:
-    assert [f"{each.module} imports {each.target}" for each in project_imports() if each.in_function] == []
+def test_no_function_of_the_library_imports_the_project() -> None:
+    library = [each for each in project_imports() if each.module.startswith("riot")]
+    assert [f"{each.module} imports {each.target}" for each in library if each.in_function] == []
 
 
 @pytest.mark.parametrize("stage", COMPUTING)

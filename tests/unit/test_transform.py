@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import math
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +17,9 @@ from PIL import Image, ImageDraw
 from riot import FormatError, Transform
 from riot.cli.main import main
 from riot.groundtruth.pairs import exact_pair, exact_transform
-from riot.transform.deformation import boundary_distance, change_ratio, overlap_ratio
+from riot.motion import motion_of
+from riot.transform.certificate import certify
+from riot.transform.deformation import boundary_distance, change_ratio, measure_deformation, overlap_ratio
 from riot.transform.riot_file import from_json, to_json
 from riot.transform.transform import Piece
 
@@ -226,3 +230,22 @@ def test_commands_tell_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixtu
         assert words in said.err
         assert said.out == ""
     assert not Path(out).exists()
+
+
+def test_a_certificate_is_computed_once_and_does_not_keep_its_transform_alive() -> None:
+    transform = exact_transform(exact_pair(3, 1))
+    assert certify(transform) is certify(transform)
+    assert certify(transform) is not certify(replace(transform))
+    watched = weakref.ref(transform)
+    del transform
+    gc.collect()
+    assert watched() is None
+
+
+def test_the_face_offers_the_class_of_the_data_with_methods() -> None:
+    transform = exact_transform(exact_pair(3, 1))
+    assert isinstance(transform, Transform)
+    assert transform.certificate() is certify(transform)
+    assert transform.deformation() == measure_deformation(transform)
+    assert transform.motion() is motion_of(transform)
+    assert transform.planned().plan is transform.motion()
