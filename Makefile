@@ -10,8 +10,11 @@ READY := $(VENV)/.ready
 run: setup
 	$(BIN)/python -m pipeline.run
 
+# A file stays on one worker, with what its tests share. A single file runs faster without workers: pytest FILE.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
+
 test: setup
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 setup: $(READY)
 
@@ -21,13 +24,13 @@ $(READY): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,dvc]'
 	touch $@
 
-# Everything that CI runs.
+# Everything that CI runs: format, lint, types, layers, and all tests of make test and of whole machinery, in one go.
 check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest
+	$(PYTEST) -m 'not slow and not chaos and not fuzz'
 
 # The stages of dvc.yaml; then `dvc metrics show`, `dvc plots show`, with $(BIN) in the PATH. DVC brings some seventy
 # packages of its own, which is why it is an extra, but whoever clones this should not have to ask for it.

@@ -1,13 +1,39 @@
-"""What all tests share: compiled kernels."""
+"""What all tests share: compiled kernels, and folders that are made once a session, whichever worker is first."""
 
 from __future__ import annotations
 
+import fcntl
+import os
+from collections.abc import Callable
+from pathlib import Path
+
 import pytest
+from shared import Once
 
 from riot.kernels.warm import uncompiled, warm_all
 
 
-def pytest_collection_finish(session: pytest.Session) -> None:
-    """Compile the numeric kernels where they are not: that takes minutes, which are no single test's."""
-    if session.items and not session.config.getoption("collectonly") and uncompiled():
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile the numeric kernels where they are not, before any worker starts: that is no single test's time."""
+    worker = "PYTEST_XDIST_WORKER" in os.environ
+    if not worker and not session.config.getoption("collectonly") and uncompiled():
         warm_all(lambda message: session.config.get_terminal_writer().line(message))
+
+
+@pytest.fixture(scope="session")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Once:
+    """``once(name, make)`` has ``make`` fill a folder in the first worker that asks; others wait, and only read it."""
+    base = tmp_path_factory.getbasetemp()
+    base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+    def folder(name: str, make: Callable[[Path], object]) -> Path:
+        path, finished = base / name, base / f"{name}.finished"
+        with (base / f"{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not finished.exists():
+                path.mkdir()
+                make(path)
+                finished.touch()
+        return path
+
+    return folder

@@ -102,6 +102,7 @@ def survive(
     return counts
 
 
+@pytest.mark.system
 def test_a_run_survives_kills_at_random_moments(nursery: Nursery, undisturbed: Undisturbed, tmp_path: Path) -> None:
     counts = survive(nursery, undisturbed, lambda run: tmp_path / str(run), SHORT, 1)
     assert counts["kills"] == SHORT and counts["lost"] <= SHORT
@@ -118,6 +119,7 @@ def test_a_run_survives_hundreds_of_kills(
     assert counts["kills"] == LONG
 
 
+@pytest.mark.system
 def test_two_runs_at_once_on_one_store(nursery: Nursery, undisturbed: Undisturbed, tmp_path: Path) -> None:
     configs = [undisturbed.again(tmp_path), undisturbed.again(tmp_path / "other")]
     configs[1] = type(configs[1])(**{**vars(configs[1]), "store": configs[0].store})

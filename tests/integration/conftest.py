@@ -6,22 +6,25 @@ import shutil
 from pathlib import Path
 
 import pytest
-from small_runs import CLEAN, pictures, run
+from shared import Once
+from small_runs import CLEAN, pictures, run_here
 
 
 @pytest.fixture(scope="session")
-def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return pictures(tmp_path_factory.mktemp("pictures"))
+def root(once: Once) -> Path:
+    return once("pictures", pictures)
 
 
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory: pytest.TempPathFactory, root: Path) -> Path:
+def finished(once: Once, root: Path) -> Path:
     """A finished run on ``cluster=sync``; tests copy it before they change anything."""
-    where = tmp_path_factory.mktemp("sync")
-    done = run(where, root, "cluster=sync")
-    assert done.returncode == CLEAN, done.stdout + done.stderr
-    assert "Report:" in done.stdout and "Time per stage" in done.stdout and "Best transforms" in done.stdout
-    return where
+
+    def mine(folder: Path) -> None:
+        done = run_here(folder, root, "cluster=sync")
+        assert done.returncode == CLEAN, done.stdout + done.stderr
+        assert "Report:" in done.stdout and "Time per stage" in done.stdout and "Best transforms" in done.stdout
+
+    return once("sync", mine)
 
 
 @pytest.fixture

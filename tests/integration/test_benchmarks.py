@@ -22,6 +22,7 @@ def run(script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.system
 def test_small_size_measures_every_step(tmp_path: Path) -> None:
     done = run("run", "--size", "small", "--json", str(tmp_path / "figures.json"))
     assert done.returncode == 0, done.stderr
@@ -76,6 +77,7 @@ sys.exit(run.main(["--size", "small"]))
 """The benchmark with a brute force that errs in one field."""
 
 
+@pytest.mark.system
 @pytest.mark.parametrize(("field", "error"), [("score", "1e-11"), ("trunk_j", "1")])
 def test_a_reference_that_disagrees_is_an_exit_code(field: str, error: str) -> None:
     command = [sys.executable, "-c", WRONG, str(FOLDER), field, error]
@@ -92,6 +94,7 @@ def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
         assert "fewer than two pictures" in done.stderr
 
 
+@pytest.mark.system
 def test_a_collection_grows_and_is_measured_at_every_size(tmp_path: Path) -> None:
     root = pictures(tmp_path / "pictures", range(5))
     figures, plot = tmp_path / "growth.json", tmp_path / "growth.svg"

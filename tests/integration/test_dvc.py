@@ -48,6 +48,7 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.system
 def test_a_second_repro_does_nothing(clone: Path) -> None:
     record = clone / "outputs" / "mined" / "run.json"
     before = record.stat().st_mtime_ns
@@ -56,6 +57,7 @@ def test_a_second_repro_does_nothing(clone: Path) -> None:
     assert record.stat().st_mtime_ns == before
 
 
+@pytest.mark.system
 def test_metrics_and_plots_are_those_of_the_run(clone: Path) -> None:
     shown = json.loads(dvc(clone, "metrics", "show", "--json"))
     (found,) = (file["data"] for place in shown.values() for file in place["data"].values())

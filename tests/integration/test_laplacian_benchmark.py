@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.riot_file import save
 
@@ -17,6 +19,7 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, str(SCRIPT), *arguments], capture_output=True, text=True, timeout=280)
 
 
+@pytest.mark.system
 def test_both_methods_are_compared_on_the_trunks_of_a_run(tmp_path: Path) -> None:
     for seed in (1, 2):
         save(exact_transform(exact_pair(4, seed)), tmp_path / f"{seed}.riot")

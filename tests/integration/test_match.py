@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image, ImageDraw
-from small_runs import CLEAN, QUICK, SHAPES, WITH_ERRORS, draw, pictures, run, table
+from small_runs import CLEAN, QUICK, SHAPES, WITH_ERRORS, draw, pictures, run, run_here, table
 
 from pipeline.cli.main import main
 from pipeline.match.search import open_mined
@@ -32,7 +32,7 @@ def mined(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = pictures(where / "pictures")
     (root / "bad.png").write_bytes(b"no picture")
     assert "trunks.min_area=0.05" not in QUICK
-    assert run(where, root, f"trunks.min_area={SETTINGS.min_area}").returncode == WITH_ERRORS
+    assert run_here(where, root, f"trunks.min_area={SETTINGS.min_area}", "cluster=sync").returncode == WITH_ERRORS
     return where
 
 

@@ -93,6 +93,7 @@ def other_code(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.system
 def test_workers_come_and_go_and_the_bytes_are_the_same(
     deployment: Deployment, other_code: Path, finished: Path, root: Path, tmp_path: Path
 ) -> None:

@@ -88,11 +88,6 @@ def test_selected_pairs_are_the_best_and_become_transforms(finished: Path) -> No
     assert all(row["reason"] and row["file"] == "" for row in transforms if row["status"] == "rejected")
 
 
-def test_nothing_but_outputs_and_store_is_written(finished: Path) -> None:
-    assert sorted(path.name for path in finished.iterdir()) == ["outputs", "store"]
-    assert not list(finished.rglob(".tmp-*")) and not list(finished.rglob(".probe*"))
-
-
 def test_two_workers_write_the_same_bytes(finished: Path, root: Path, tmp_path: Path) -> None:
     done = run(tmp_path, root, "cluster=local", "cluster.workers=2")
     assert done.returncode == CLEAN, done.stdout + done.stderr
@@ -185,7 +180,7 @@ def test_a_damaged_artifact_is_made_again(copied: Path, finished: Path, root: Pa
     assert payload.read_bytes() != bytes(raw) and digests(copied) == digests(finished)
 
 
-@pytest.mark.parametrize("after", ["ingest", "qcrs"])
+@pytest.mark.parametrize("after", ["ingest", pytest.param("qcrs", marks=pytest.mark.system)])
 def test_a_killed_run_goes_on_where_it_was(after: str, finished: Path, root: Path, tmp_path: Path) -> None:
     with subprocess.Popen(
         command(tmp_path, root, "cluster=local", "cluster.workers=1"), stdout=subprocess.PIPE, text=True, cwd=tmp_path
@@ -202,6 +197,7 @@ def test_a_killed_run_goes_on_where_it_was(after: str, finished: Path, root: Pat
     assert digests(tmp_path) == digests(finished)
 
 
+@pytest.mark.system
 @pytest.mark.skipif(os.name != "posix", reason="process groups are POSIX")
 def test_an_interrupt_says_how_to_go_on(root: Path, tmp_path: Path) -> None:
     with subprocess.Popen(
@@ -348,3 +344,6 @@ def test_the_environment_changes_no_result(finished: Path, root: Path, tmp_path:
     )
     assert done.returncode == CLEAN, done.stdout + done.stderr
     assert digests(where) == digests(finished)
+    # It ran in that folder, and wrote nothing else there.
+    assert sorted(path.name for path in where.iterdir()) == ["outputs", "store"]
+    assert not list(where.rglob(".tmp-*")) and not list(where.rglob(".probe*"))

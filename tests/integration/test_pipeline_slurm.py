@@ -62,6 +62,7 @@ def test_slurm_jobs_are_what_the_configuration_says(tmp_path: Path) -> None:
     assert "--nworkers 6" in worker and "--nthreads 1" in worker and "--memory-limit 0" in worker
 
 
+@pytest.mark.system
 def test_an_interrupt_cancels_all_jobs_and_one_that_dies_is_replaced(
     slurm: Slurm, finished: Path, root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -131,6 +132,7 @@ def submit(jobs: Jobs, cluster: Any) -> None:
     cluster.sync(settled)
 
 
+@pytest.mark.system
 def test_one_of_several_jobs_that_dies_is_replaced(slurm: Slurm) -> None:
     with slurm_cluster(ClusterConfig("slurm", jobs=2, workers=1, interface="lo")) as cluster, Client(cluster) as client:
         jobs = Jobs(cluster, 2, lambda _: None)

@@ -67,6 +67,7 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return where
 
 
+@pytest.mark.system
 def test_what_is_deadly_is_lost_alone(clean: Path, tmp_path: Path) -> None:
     """A picture and a pair that crash, and a pair that hangs; the pairs are of one class, which is never selected."""
 
@@ -116,12 +117,12 @@ def scores(where: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def test_transforms_of_a_run_tell_their_history(clean: Path) -> None:
-    shapes = {row["name"]: row["digest"] for row in table(clean, "shapes")}
-    files = [row for row in table(clean, "transforms") if row["file"]]
+def test_transforms_of_a_run_tell_their_history(finished: Path) -> None:
+    shapes = {row["name"]: row["digest"] for row in table(finished, "shapes")}
+    files = [row for row in table(finished, "transforms") if row["file"]]
     assert files
     for row in files:
-        history = Transform.load(clean / "outputs" / "folder" / str(row["file"])).history
+        history = Transform.load(finished / "outputs" / "folder" / str(row["file"])).history
         assert history is not None and history.maker == "pipeline.run"
         assert history.pictures == (shapes[row["name_i"]], shapes[row["name_j"]])
         names = [step.name for step in history.steps]
@@ -130,5 +131,5 @@ def test_transforms_of_a_run_tell_their_history(clean: Path) -> None:
         for step in history.steps:
             for key in step.keys:
                 # The key of a single shape names no artifact: batches hold shapes.
-                folder = clean / "store" / step.name / key[:2] / key
+                folder = finished / "store" / step.name / key[:2] / key
                 assert len(key) == 64 and (folder.is_dir() or step.name == "ingest")

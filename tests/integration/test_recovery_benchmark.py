@@ -89,6 +89,7 @@ def test_hidden_pairs_and_where_their_trunks_are_lost() -> None:
     assert 0.002 < told["moved"] < 0.1
 
 
+@pytest.mark.system
 def test_recovery_counts_every_hidden_shape(tmp_path: Path) -> None:
     root = pictures(tmp_path / "pictures", range(6))
     figures, drawn = tmp_path / "figures.json", tmp_path / "drawn"
@@ -120,6 +121,7 @@ def test_recovery_counts_every_hidden_shape(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.system
 def test_intricate_shapes_are_searched_in_every_way_asked_for(tmp_path: Path) -> None:
     root, figures = pictures(tmp_path / "pictures", range(8)), tmp_path / "figures.json"
     more = ("--classes", "kind0,kind2", "--each", "1", "--among", "6", "--ways", "0,3", "--json", str(figures))
@@ -138,6 +140,7 @@ def test_intricate_shapes_are_searched_in_every_way_asked_for(tmp_path: Path) ->
     assert all(word in done.stdout for word in ("kind0", "kind2", "default", "spacing 22"))
 
 
+@pytest.mark.system
 def test_wrong_arguments_are_refused(tmp_path: Path) -> None:
     for arguments, words in (
         (("recovery", "--root", str(tmp_path)), "no pictures under"),

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from html_page import Page
-from small_runs import CLEAN, pictures, run
+from small_runs import CLEAN, pictures, run_here
 
 from pipeline.study import consistency
 from pipeline.study.__main__ import main
@@ -23,7 +23,7 @@ from riot.types import FloatArray, IntArray
 @pytest.fixture(scope="module")
 def where(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("studied")
-    done = run(folder, pictures(folder / "pictures"), "cluster=sync")
+    done = run_here(folder, pictures(folder / "pictures"), "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     return folder
 

@@ -169,23 +169,30 @@ def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monke
     assert left.pairs is not None and plan_select(left, set()).sources[0] == left.pairs.reference
 
 
-def test_it_is_the_same_on_two_workers_and_told_of(root: Path, tmp_path: Path) -> None:
-    topk = ("qcrs.mode=topk", "qcrs.k=3")
-    plan = run_here(tmp_path / "one", root, *topk, "--plan")
-    assert plan.returncode == CLEAN and "nothing was run" in plan.stdout
-    done = run_here(tmp_path / "one", root, *topk, "cluster=sync")
-    assert done.returncode == CLEAN, done.stdout + done.stderr
-    both = run(tmp_path / "two", root, *topk, "cluster=local", "cluster.workers=2")
-    assert both.returncode == CLEAN, both.stdout + both.stderr
+TOPK = ("qcrs.mode=topk", "qcrs.k=3")
+
+
+@pytest.mark.system
+def test_two_workers_write_the_same_bytes(root: Path, tmp_path: Path) -> None:
+    for name, cluster in (("one", ("cluster=sync",)), ("two", ("cluster=local", "cluster.workers=2"))):
+        done = run(tmp_path / name, root, *TOPK, *cluster)
+        assert done.returncode == CLEAN, done.stdout + done.stderr
     assert digests(tmp_path / "one") == digests(tmp_path / "two")
+
+
+def test_the_output_names_the_mode_and_what_it_leaves_out(root: Path, tmp_path: Path) -> None:
+    plan = run_here(tmp_path / "one", root, *TOPK, "--plan")
+    assert plan.returncode == CLEAN and "nothing was run" in plan.stdout
+    done = run_here(tmp_path / "one", root, *TOPK, "cluster=sync")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
     assert {"shards", "partners", "pairs"} <= stages(tmp_path / "one").keys() and "qcrs" not in stages(tmp_path / "one")
     search = read_search(pq.read_schema(next((tmp_path / "one").rglob("qcrs/*/*.parquet"))).metadata)
     assert search is not None
     for text in (done.stdout, (tmp_path / "one" / "outputs" / "folder" / "report.html").read_text(encoding="utf-8")):
         assert f"with another {search.compared:,} were made" in text and f"of {search.pairs:,} pairs kept" in text
-    again = run_here(tmp_path / "one", root, *topk, "cluster=sync")
+    again = run_here(tmp_path / "one", root, *TOPK, "cluster=sync")
     assert again.returncode == CLEAN and "Everything cached" in again.stdout
-    why = run_here(tmp_path / "one", root, *topk, "qcrs.sigma_e=0.2", "--explain")
+    why = run_here(tmp_path / "one", root, *TOPK, "qcrs.sigma_e=0.2", "--explain")
     assert why.returncode == CLEAN and "parameters.qcrs.sigma_e 0.1 → 0.2" in why.stdout
 
 
