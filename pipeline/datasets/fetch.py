@@ -35,14 +35,24 @@ MPEG7_URLS = ("http://www.dabi.temple.edu/~shape/MPEG7/MPEG7dataset.zip",)
 
 MPEG7_MANIFEST = Path(__file__).parent / "manifests" / "mpeg7.csv"
 
-_MAX_DOWNLOAD = 50_000_000
-"""A download of more bytes is stopped; all pictures together, unpacked, have a tenth."""
 _MAX_PIXELS = 10_000_000
-_MAX_BYTES = 500_000_000
-"""An archive that unpacks to more is none of these."""
 _NO_ARCHIVE = (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, zlib.error, lzma.LZMAError, ValueError)
 """What `zipfile` ends in when an archive is damaged, encrypted or packed in a way of its own."""
 _TIMEOUT = 60.0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bytes that a download and its pictures, unpacked, may have: more of them are another archive.
+
+    The pictures of MPEG-7 have a tenth of ``download``, unpacked.
+    """
+
+    download: int = 50_000_000
+    unpacked: int = 500_000_000
+
+
+LIMITS = Limits()
 
 
 @dataclass(frozen=True)
@@ -56,7 +66,12 @@ class Entry:
 
 
 def fetch(
-    target: Path, urls: Sequence[str] = MPEG7_URLS, manifest: Path = MPEG7_MANIFEST, *, timeout: float = _TIMEOUT
+    target: Path,
+    urls: Sequence[str] = MPEG7_URLS,
+    manifest: Path = MPEG7_MANIFEST,
+    *,
+    timeout: float = _TIMEOUT,
+    limits: Limits = LIMITS,
 ) -> bool:
     """Put a data set into the folder ``target``, complete and checked, or leave nothing; False if it was there.
 
@@ -75,10 +90,10 @@ def fetch(
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.parent) as temporary:
-            archive = _download(urls, Path(temporary), timeout)
+            archive = _download(urls, Path(temporary), timeout, limits.download)
             pictures = Path(temporary) / "pictures"
             pictures.mkdir()
-            _unpack(archive, pictures, entries)
+            _unpack(archive, pictures, entries, limits.unpacked)
             faults = check(pictures, entries)
             if faults:
                 raise DatasetError(
@@ -180,13 +195,13 @@ class _Limited:
         self._file.flush()
 
 
-def _download(urls: Sequence[str], folder: Path, timeout: float) -> Path:
+def _download(urls: Sequence[str], folder: Path, timeout: float, most: int) -> Path:
     pooch.get_logger().setLevel("WARNING")
     downloader = pooch.HTTPDownloader(timeout=timeout)
 
     def download(url: str, file: str, pup: pooch.Pooch | None) -> None:
         with Path(file).open("wb") as whole:
-            downloader(url, _Limited(whole, _MAX_DOWNLOAD), pup)
+            downloader(url, _Limited(whole, most), pup)
 
     failures: list[str] = []
     for url in urls:
@@ -213,14 +228,14 @@ def _download(urls: Sequence[str], folder: Path, timeout: float) -> Path:
     )
 
 
-def _unpack(archive: Path, folder: Path, entries: Iterable[Entry]) -> None:
+def _unpack(archive: Path, folder: Path, entries: Iterable[Entry], most: int) -> None:
     """Unpack the pictures that the manifest lists, under its names: no path in the archive is ever followed."""
     wanted = {entry.name.casefold(): entry.name for entry in entries}
     try:
         with zipfile.ZipFile(archive) as packed:
             members = [info for info in packed.infolist() if not info.is_dir()]
-            if sum(info.file_size for info in members) > _MAX_BYTES:
-                raise DatasetError(f"{archive.name}: unpacks to more than {_MAX_BYTES} bytes; this is another archive")
+            if sum(info.file_size for info in members) > most:
+                raise DatasetError(f"{archive.name}: unpacks to more than {most} bytes; this is another archive")
             for info in members:
                 inner = PurePosixPath(info.filename)
                 name = wanted.get(inner.stem.casefold())

@@ -32,6 +32,11 @@ class Kept:
         self._held: dict[Reference, tuple[Any, int]] = {}
         self._lock = threading.Lock()  # a worker of an external cluster may have several threads
 
+    @property
+    def size(self) -> int:
+        """Bytes of the artifacts whose prepared forms are kept."""
+        return self._size
+
     def begin(self, stage: str) -> None:
         """Let go of another stage's inputs."""
         with self._lock:

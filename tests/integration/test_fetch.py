@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import io
-import os
+import resource
 import threading
 import zipfile
 from collections.abc import Iterator
@@ -211,17 +210,15 @@ def test_any_damage_of_an_archive_is_told_as_one(server: Server, manifest: Path,
             assert ";" in str(error)
 
 
-def test_an_archive_that_unpacks_to_too_much_is_not_unpacked(
-    server: Server, manifest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(fetch, "_MAX_BYTES", 1_000_000)
+def test_an_archive_that_unpacks_to_too_much_is_not_unpacked(server: Server, manifest: Path, tmp_path: Path) -> None:
+    limits = fetch.Limits(unpacked=1_000_000)
     members = good() | {"apple-1.gif": bytes(1_000_001)}
     with zipfile.ZipFile(server.folder / "bomb.zip", "w", zipfile.ZIP_DEFLATED) as archive:
         for member, data in members.items():
             archive.writestr(member, data)
     assert (server.folder / "bomb.zip").stat().st_size < 10_000
     with pytest.raises(DatasetError, match="more than 1000000 bytes"):
-        fetch.fetch(tmp_path / "cache" / "set", [server.url("bomb.zip")], manifest)
+        fetch.fetch(tmp_path / "cache" / "set", [server.url("bomb.zip")], manifest, limits=limits)
     assert nothing_left(tmp_path / "cache" / "set")
 
 
@@ -240,44 +237,41 @@ class Endless(BaseHTTPRequestHandler):
 
 
 def test_a_download_without_end_is_stopped_and_the_next_address_tried(
-    server: Server, manifest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    server: Server, manifest: Path, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(fetch, "_MAX_DOWNLOAD", 1_000_000)
+    limits = fetch.Limits(download=1_000_000)
     with ThreadingHTTPServer(("127.0.0.1", 0), Endless) as endless:
         thread = threading.Thread(target=endless.serve_forever)
         thread.start()
         url = f"http://127.0.0.1:{endless.server_address[1]}/set.zip"
         try:
             with pytest.raises(DatasetError, match=r"set.zip .more than 1000000 bytes; this is another file"):
-                fetch.fetch(tmp_path / "cache" / "set", [url], manifest)
+                fetch.fetch(tmp_path / "cache" / "set", [url], manifest, limits=limits)
             assert nothing_left(tmp_path / "cache" / "set")
-            assert fetch.fetch(tmp_path / "cache" / "set", [url, pack(server, good())], manifest)
+            assert fetch.fetch(tmp_path / "cache" / "set", [url, pack(server, good())], manifest, limits=limits)
         finally:
             endless.shutdown()
             thread.join()
     assert [path.name for path in (tmp_path / "cache").iterdir()] == ["set"]
 
 
-def test_a_download_may_be_as_long_as_the_limit(
-    server: Server, manifest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_download_may_be_as_long_as_the_limit(server: Server, manifest: Path, tmp_path: Path) -> None:
     url = pack(server, good())
     size = (server.folder / "set.zip").stat().st_size
-    monkeypatch.setattr(fetch, "_MAX_DOWNLOAD", size - 1)
     with pytest.raises(DatasetError, match=f"more than {size - 1} bytes"):
-        fetch.fetch(tmp_path / "cache" / "set", [url], manifest)
-    monkeypatch.setattr(fetch, "_MAX_DOWNLOAD", size)
-    assert fetch.fetch(tmp_path / "cache" / "set", [url], manifest)
+        fetch.fetch(tmp_path / "cache" / "set", [url], manifest, limits=fetch.Limits(download=size - 1))
+    assert fetch.fetch(tmp_path / "cache" / "set", [url], manifest, limits=fetch.Limits(download=size))
 
 
-def test_a_full_disk_is_not_said_of_the_address(
-    server: Server, manifest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_file_that_the_disk_does_not_take_is_not_blamed_on_the_address(
+    server: Server, manifest: Path, tmp_path: Path
 ) -> None:
-    def full(*_: object) -> int:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
     url = pack(server, good())
-    monkeypatch.setattr(fetch._Limited, "write", full)
-    with pytest.raises(DatasetError, match=r"set: cannot be written .No space left on device"):
-        fetch.fetch(tmp_path / "cache" / "set", [url, url], manifest)
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, usual[1]))  # bytes that any file may have from here on
+        with pytest.raises(DatasetError, match=r"set: cannot be written .File too large"):
+            fetch.fetch(tmp_path / "cache" / "set", [url, url], manifest)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
     assert server.requests == ["/set.zip"] and nothing_left(tmp_path / "cache" / "set")

@@ -58,7 +58,8 @@ def test_a_sweep_whose_table_cannot_be_written_says_so(
     def full(*_: object) -> None:
         raise FULL
 
-    monkeypatch.setattr(pipeline.run, "_with_hydra", lambda *_: [])
-    monkeypatch.setattr(pipeline.run, "_tell_sweep", full)
-    assert main(["-m", "batch=1,2", f"outputs={tmp_path}"]) == FAILED
-    assert capsys.readouterr().err == f"Stopped: {FULL}\n"
+    monkeypatch.setattr("pipeline.tables.sweep.write_sweep", full)
+    # Jobs without a collection end at once; the sweep has a table of them all the same.
+    data = ("+dataset=folder", f"dataset.root={tmp_path / 'absent'}", f"outputs={tmp_path}")
+    assert main(["-m", "batch=1,2", *data]) == FAILED
+    assert capsys.readouterr().err.endswith(f"Stopped: {FULL}\n")

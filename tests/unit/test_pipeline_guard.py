@@ -28,7 +28,7 @@ import pipeline.runtime.worker as real
 def perform(root, items, kept):
     for item in items:
         with (Path(root) / "log").open("a") as log:
-            log.write(item.spec + "\\n")
+            log.write(f"{item.spec} {os.getpid()}\\n")
         if item.spec == "hang":
             ctypes.PyDLL(None).usleep(60_000_000)  # in C, with the interpreter locked, as a kernel does
         if item.spec == "crash":
@@ -42,6 +42,22 @@ import pipeline.runtime.guard_process, sys
 pipeline.runtime.guard_process.perform = perform
 pipeline.runtime.guard_process.main(int(sys.argv[-1]))
 '''
+
+
+WORKER = """
+import sys
+import psutil
+from pipeline.plan.plan import WorkItem
+from pipeline.runtime.guard import Guard
+from pipeline.store.keys import KeyParts
+guard = Guard(None)
+lost = WorkItem(KeyParts("crs", {}, (), {}, {}), (), (("trunks", "00"),), None, (0,))  # of an input that is not there
+assert len(list(guard.perform(sys.argv[1], [lost]))) == 1
+(child,) = psutil.Process().children()
+print(child.pid, flush=True)
+sys.stdin.read()
+"""
+"""A worker that has a process beside it, says which, and waits."""
 
 
 def item(name: str) -> WorkItem:
@@ -61,6 +77,11 @@ def scripted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def processes(folder: Path) -> list[tuple[str, str]]:
+    """(item, process) of every attempt, in order."""
+    return [(name, process) for name, process in map(str.split, (folder / "log").read_text().splitlines())]
+
+
 def test_every_other_item_of_a_task_is_done_once(scripted: Path) -> None:
     names = ["a", "crash", "hang", "once", "b"]
     guard = Guard(LIMIT)
@@ -75,7 +96,7 @@ def test_every_other_item_of_a_task_is_done_once(scripted: Path) -> None:
     assert all(failure.deadly for failure in failed.values())
     assert "SIGSEGV" in failed["crash"].message
     assert "cluster.limit" in failed["hang"].message
-    done = (scripted / "log").read_text().split()
+    done = [name for name, _ in processes(scripted)]
     assert {name: done.count(name) for name in names} == {
         "a": 1, "crash": MAX_DEATHS, "hang": 1, "once": 2, "b": 1
     }  # fmt: skip
@@ -85,24 +106,21 @@ def test_a_guard_keeps_its_process_from_task_to_task(scripted: Path) -> None:
     guards = Guards()
     with guards.taken(None) as first:
         assert [*first.perform(str(scripted), [item("a")])] == [Receipt("crs", item("a").key, seconds=1.0)]
-        process = first._process
         with guards.taken(None) as other:
             assert other is not first
     with guards.taken(None) as again:
         assert again in (first, other)
         assert len([*again.perform(str(scripted), [item("b")])]) == 1
-    assert first._process is process
+    (_, before), (_, after) = processes(scripted)
+    assert before == after
     assert first.close() == 0 and first.close() == 0
     other.close()
 
 
 def test_the_process_ends_with_its_worker(tmp_path: Path) -> None:
     """A killed worker closes nothing itself: the system does, and the child reads the end."""
-    code = (
-        "import sys\nfrom pipeline.runtime.guard import Guard\nguard = Guard(None)\nguard._started()\n"
-        "print(guard._process.pid, flush=True)\nsys.stdin.read()"
-    )
-    with subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as worker:
+    line = [sys.executable, "-c", WORKER, str(tmp_path)]
+    with subprocess.Popen(line, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as worker:
         assert worker.stdout is not None
         child = int(worker.stdout.readline())
         ended = os.pidfd_open(child)
