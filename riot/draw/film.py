@@ -159,7 +159,7 @@ class _Camera:
         self.size = width, height
         self._drawn, self._prefix = drawn, naming(drawn.pieces, images)
         self._scene = Scene("", box, (x1 - x0) / _PENS_ACROSS, drawn.pieces, (), images)
-        self._opening = opening(self._scene, self._prefix, width)
+        self._opening = opening(self._scene, self._prefix, width, codec="PNG")
 
     def picture(self, t: float) -> bytes:
         """The PNG file of time t: all pixels of an MP4 would be too many to keep."""

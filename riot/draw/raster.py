@@ -1,5 +1,7 @@
 """Scenes as pixels: the SVG text is what is painted, so that a PNG never differs from the SVG. Ours.
 
+Only textures, which an SVG file has as JPEG, are given without loss: what JPEG adds would make films twice as large.
+
 resvg paints without a window and with fonts that come with matplotlib, so that every machine gives the same bytes.
 """
 
@@ -44,7 +46,7 @@ def png_bytes(scene: Scene, width: int = WIDTH) -> bytes:
     >>> png_bytes(figure_scene(exact_transform(dudeney())), 320)[:4]
     b'\\x89PNG'
     """
-    return png_of_svg(document(scene), width)
+    return png_of_svg(document(scene, codec="PNG"), width)
 
 
 def png_of_svg(text: str, width: int) -> bytes:

@@ -42,9 +42,10 @@ def escape(text: str) -> str:
     return html.escape(text.translate(_FORBIDDEN), quote=True)
 
 
-def document(scene: Scene, width: int = 960, scheme: Mapping[str, str] = LIGHT) -> str:
-    """The scene as a whole SVG file, ``width`` pixels wide at its natural size."""
-    return whole(scene, painted(scene, prefix := naming(scene.pieces, scene.images)), prefix, width, scheme)
+def document(scene: Scene, width: int = 960, scheme: Mapping[str, str] = LIGHT, codec: str = "JPEG") -> str:
+    """The scene as a whole SVG file, ``width`` pixels wide at its natural size, its textures as JPEG or PNG."""
+    prefix = naming(scene.pieces, scene.images)
+    return f"{opening(scene, prefix, width, scheme, codec=codec)}{painted(scene, prefix)}{CLOSING}"
 
 
 def whole(
@@ -58,7 +59,14 @@ CLOSING = "</svg>\n"
 """What ends an SVG file."""
 
 
-def opening(scene: Scene, prefix: str, width: int = 960, scheme: Mapping[str, str] = LIGHT, style: str = "") -> str:
+def opening(
+    scene: Scene,
+    prefix: str,
+    width: int = 960,
+    scheme: Mapping[str, str] = LIGHT,
+    style: str = "",
+    codec: str = "JPEG",
+) -> str:
     """What an SVG file has before its body: all pictures of one box and the same pieces begin with the same text."""
     x0, y0, x1, y1 = scene.box
     height = round(width * (y1 - y0) / (x1 - x0))
@@ -68,7 +76,7 @@ def opening(scene: Scene, prefix: str, width: int = 960, scheme: Mapping[str, st
         f'height="{height}" role="img"><title>{escape(scene.title)}</title>'
         f"<style>{_file_style(scene.pen, scheme)}{style}</style>"
         f'<rect x="{left}" y="{top}" width="{wide}" height="{high}" fill="{scheme["paper"]}"/>'
-        f"{definitions(scene.pieces, prefix, scene.images)}"
+        f"{definitions(scene.pieces, prefix, scene.images, codec)}"
     )
 
 
@@ -95,7 +103,7 @@ def naming(pieces: Iterable[Piece], images: PieceImages = NO_IMAGES) -> str:
     return f"r{state.hexdigest()[:8]}-"
 
 
-def definitions(pieces: tuple[Piece, ...], prefix: str, images: PieceImages = NO_IMAGES) -> str:
+def definitions(pieces: tuple[Piece, ...], prefix: str, images: PieceImages = NO_IMAGES, codec: str = "JPEG") -> str:
     """The ``<defs>`` of the pieces: each drawn once, with the seam along its trunk edge.
 
     Their ids are ``prefix0`` … in their colours, and ``prefixp0`` …, ``prefixq0`` … of the sides that have images.
@@ -107,34 +115,34 @@ def definitions(pieces: tuple[Piece, ...], prefix: str, images: PieceImages = NO
     ]
     for side in sorted(images):
         groups += [
-            _with_image(piece, f"{prefix}{side}{i}", image)
+            _with_image(piece, f"{prefix}{side}{i}", image, codec)
             for i, (piece, image) in enumerate(zip(pieces, images[side], strict=True))
         ]
     return f"<defs>{''.join(groups)}</defs>" if groups else ""
 
 
-def _with_image(piece: Piece, name: str, image: PieceImage) -> str:
+def _with_image(piece: Piece, name: str, image: PieceImage, codec: str) -> str:
     """A piece with its image, cut to its outline."""
     path = path_data(piece.polygon)
-    return f'<g id="{name}">{_image(image.pixels, image.box, path, name, "JPEG")}<path class="r-cut" d="{path}"/></g>'
+    return f'<g id="{name}">{_image(image.pixels, image.box, path, name, codec)}<path class="r-cut" d="{path}"/></g>'
 
 
-def _image(pixels: npt.NDArray[np.uint8], box: Box, clip: str, name: str, kind: str) -> str:
+def _image(pixels: npt.NDArray[np.uint8], box: Box, clip: str, name: str, codec: str) -> str:
     """Pixels that fill a box, cut to the path ``clip`` if it is not empty, as JPEG or, without loss, as PNG."""
     x0, y0, x1, y1 = box
     clip_path = f'<clipPath id="{name}c"><path d="{clip}"/></clipPath>' if clip else ""
     cut = f' clip-path="url(#{name}c)"' if clip else ""
     return (
         f'{clip_path}<image{cut} x="{_whole(x0)}" y="{_whole(-y1)}" width="{_whole(x1 - x0)}" '
-        f'height="{_whole(y1 - y0)}" preserveAspectRatio="none" href="{_data_url(pixels, kind)}"/>'
+        f'height="{_whole(y1 - y0)}" preserveAspectRatio="none" href="{_data_url(pixels, codec)}"/>'
     )
 
 
-def _data_url(pixels: npt.NDArray[np.uint8], kind: str) -> str:
+def _data_url(pixels: npt.NDArray[np.uint8], codec: str) -> str:
     stream = io.BytesIO()
-    options: dict[str, int] = {"quality": JPEG_QUALITY, "subsampling": 0} if kind == "JPEG" else {}
-    Image.fromarray(pixels).save(stream, kind, **options)
-    return f"data:image/{kind.lower()};base64,{base64.b64encode(stream.getvalue()).decode('ascii')}"
+    options: dict[str, int] = {"quality": JPEG_QUALITY, "subsampling": 0} if codec == "JPEG" else {}
+    Image.fromarray(pixels).save(stream, codec, **options)
+    return f"data:image/{codec.lower()};base64,{base64.b64encode(stream.getvalue()).decode('ascii')}"
 
 
 def piece_id(prefix: str, piece: int, side: str = "p", images: PieceImages = NO_IMAGES) -> str:
