@@ -36,7 +36,7 @@ from riot.errors import RiotError
 from riot.geometry.polyline import is_simple
 from riot.kernels.change import placed_arcs
 from riot.kernels.conjugate import conjugated
-from riot.parameters.method import RefineParameters
+from riot.parameters import RefineParameters
 from riot.transform.riot_file import load
 from riot.transform.transform import Transform
 from riot.types import FloatArray, IntArray

@@ -31,7 +31,7 @@ from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
-from riot.parameters.method import RefineParameters, TrunkParameters
+from riot.parameters import RefineParameters, TrunkParameters
 from riot.scores.vertices import convex_points
 from riot.transform.transform import Transform
 from riot.types import FloatArray

@@ -13,7 +13,7 @@ import numpy as np
 from measure import least_seconds
 
 from riot.kernels.options import kernel
-from riot.parameters.method import QcrsParameters
+from riot.parameters import QcrsParameters
 from riot.scores.qcrs import BlockScores, TrunkStack
 from riot.scores.trunks import Trunks
 from riot.types import FloatArray, IntArray

@@ -41,7 +41,7 @@ from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
-from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.parameters import ConstructParameters, RefineParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.scores.qcrs import score_block, stack
 from riot.scores.trunks import full_trunks, quick_trunks

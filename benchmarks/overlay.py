@@ -14,7 +14,7 @@ import shapely
 from riot.geometry.polyline import swept_area
 from riot.geometry.shape import Shape
 from riot.kernels.coverage import swung_arcs
-from riot.parameters.method import CrsParameters
+from riot.parameters import CrsParameters
 from riot.scores.trunks import Trunks
 from riot.types import FloatArray, IntArray
 from riot.units import D_C

@@ -19,7 +19,7 @@ from table import Row, row
 from riot.construction.choose import construct_plans, refine_scored
 from riot.geometry.shape import Shape
 from riot.kernels.coverage import area_terms
-from riot.parameters.method import ConstructParameters, CrsParameters, RefineParameters
+from riot.parameters import ConstructParameters, CrsParameters, RefineParameters
 from riot.scores.crs import AREA_SLACK, CrossScore, best_trunk_pairs
 from riot.scores.qcrs import BlockScores, TrunkStack, brute_force, score_block, stack
 from riot.scores.trunks import Trunks

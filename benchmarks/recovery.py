@@ -35,7 +35,7 @@ from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
-from riot.parameters.method import QCRS_VARIANTS
+from riot.parameters import QCRS_VARIANTS
 from riot.transform.transform import Transform
 
 FORMAT = 1

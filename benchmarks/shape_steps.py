@@ -15,7 +15,7 @@ from table import Row, row
 
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
-from riot.parameters.method import ReversibilityParameters
+from riot.parameters import ReversibilityParameters
 from riot.scores.reversibility import concave_points, reversibility
 from riot.scores.trunks import Trunks, full_trunks, quick_trunks
 from riot.units import L_C

@@ -7,6 +7,18 @@ class RiotError(Exception):
     """Root of every error that this project raises on purpose."""
 
 
+class ParameterError(RiotError, ValueError):
+    """A value that a parameter cannot take; the message names the parameter, what is allowed, and the value given."""
+
+    def __init__(self, parameter: str, message: str) -> None:
+        super().__init__(f"{parameter}: {message}")
+        self.parameter = parameter
+        self.message = message
+
+    def __reduce__(self) -> tuple[type[ParameterError], tuple[str, str]]:
+        return type(self), (self.parameter, self.message)
+
+
 class SilhouetteError(RiotError, ValueError):
     """A picture, vector file or polygon that cannot become a shape.
 

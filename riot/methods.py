@@ -17,7 +17,7 @@ from riot import draw, geometry
 from riot.construction import choose
 from riot.geometry import shape as shape_module
 from riot.motion import planner
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.transform import certificate, deformation, riot_file
 from riot.transform import transform as transform_module
 from riot.transform.motion import Motion

@@ -6,7 +6,7 @@ import numpy as np
 
 from riot import Shape
 from riot.groundtruth.pairs import ExactPair
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.types import FloatArray
 
 

@@ -208,7 +208,7 @@ CODE = [
     _code("riot.geometry.polyline", "def signed_area(", "# a comment\ndef signed_area(", ()),
     _code("pipeline.store.store", "def put(", "def new(self) -> None: ...\n\n    def put(", ()),
     _code("pipeline.runtime.cluster", "MAX_ATTEMPTS = ", "MAX_ATTEMPTS = 1 + ", ()),
-    _code("riot.parameters.method", "tau_s: float = ", "tau_s: float = 2 * ", ()),
+    _code("riot.parameters.trunks", "tau_s: float = ", "tau_s: float = 2 * ", ()),
     _code("riot.units", "L_C = 2.0", "L_C = 2.1", ALL),
     _code("riot.geometry.polyline", "def signed_area(", "def other_area(", ALL),
     _code(

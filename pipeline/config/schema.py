@@ -15,11 +15,12 @@ from typing import Any, Literal, TypeVar
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import ConfigError
 from pipeline.store.location import Location, Url
-from riot.parameters.fabrication import FabricationParameters
-from riot.parameters.method import (
+from riot.parameters import (
     QCRS_VARIANTS,
     ConstructParameters,
     CrsParameters,
+    FabricationParameters,
+    MotionParameters,
     QcrsParameters,
     QcrsVariant,
     RefineParameters,
@@ -27,7 +28,6 @@ from riot.parameters.method import (
     ShapeParameters,
     TrunkParameters,
 )
-from riot.parameters.motion import MotionParameters
 
 T = TypeVar("T")
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from pipeline.datasets import sample
 from riot.geometry.shape import Shape
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 
 SOURCE = "{source}"
 """Stands for an item's source in kept messages: where a collection lies is no part of its content."""

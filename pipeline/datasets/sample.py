@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from riot.errors import SilhouetteError
 from riot.geometry.shape import Shape
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.types import FloatArray
 
 if TYPE_CHECKING:

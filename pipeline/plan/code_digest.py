@@ -26,7 +26,11 @@ from pipeline.plan.module_facts import FactsCache, ModuleFacts, cache_file
 from pipeline.plan.sources import AT_START, PACKAGES, Source, edited, read_sources
 
 DECLARATIONS = frozenset(
-    {"riot.parameters.method", "riot.parameters.motion", "riot.errors", "pipeline.errors", "pipeline.stages.specs"}
+    {
+        *(f"riot.parameters.{group}" for group in ("shape", "reversibility", "trunks", "qcrs", "crs", "refine")),
+        *("riot.parameters.construct", "riot.parameters.motion", "riot.parameters.field"),
+        *("riot.errors", "pipeline.errors", "pipeline.stages.specs"),
+    }
 )
 """Modules that compute nothing: the values of parameters and specs enter a key by themselves, so that a new parameter
 or another default of one stage leaves the other stages' keys alone."""

@@ -19,7 +19,7 @@ from riot.errors import FabricationError
 from riot.fabricate.certificate import Built, build, fix
 from riot.fabricate.export.paperwork import SHEETS, write_paperwork
 from riot.fabricate.export.solids import write_puzzle
-from riot.parameters.fabrication import FabricationParameters
+from riot.parameters import FabricationParameters
 from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
 

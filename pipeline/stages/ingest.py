@@ -11,7 +11,7 @@ from pipeline.datasets.item import SOURCE, Item, open_item
 from pipeline.datasets.sample import PREFIX
 from pipeline.stages.items import ErrorRow, attempt, pack_shapes
 from pipeline.store.artifact import Artifact
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Sequence[Item]) -> Artifact:

@@ -14,7 +14,7 @@ from pipeline.stages.qcrs import prepare as stack_of_batch
 from pipeline.stages.shards import is_shard, unpack
 from pipeline.stages.specs import Place
 from pipeline.store.artifact import Artifact
-from riot.parameters.method import QcrsParameters
+from riot.parameters import QcrsParameters
 from riot.scores.index import Partners, TrunkIndex, best_partners
 from riot.scores.index import join as join_stacks
 from riot.scores.qcrs import BlockScores, TrunkStack, score_pairs

@@ -15,7 +15,7 @@ from pipeline.study.finished import Finished
 from pipeline.study.partners import Partners
 from pipeline.study.statistics import Agreement, agreement, calibration, precision
 from pipeline.tables.schemas import column
-from riot.parameters.method import QCRS_VARIANTS, QcrsVariant
+from riot.parameters import QCRS_VARIANTS, QcrsVariant
 from riot.scores.qcrs import score_pairs, stack
 from riot.scores.trunks import compared_trunks
 from riot.types import FloatArray, IntArray

@@ -17,7 +17,7 @@ from pipeline.study.hidden import hide
 from pipeline.study.partners import Partners
 from pipeline.study.recovery import QUANTILES, WAYS, Closeness, Figure, Found, Search, figures, quantiles
 from pipeline.tables.schemas import column
-from riot.parameters.method import QCRS_VARIANTS, QcrsVariant
+from riot.parameters import QCRS_VARIANTS, QcrsVariant
 from riot.types import FloatArray
 
 PIECES = (3, 4, 5, 6)

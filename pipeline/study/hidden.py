@@ -18,7 +18,7 @@ from riot.geometry.shape import Shape
 from riot.geometry.silhouette import mask_shape
 from riot.groundtruth import pairs as groundtruth
 from riot.groundtruth.pairs import ExactPair, Topology, exact_pair
-from riot.parameters.method import TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.scores.reversibility import cut_off, reversibility
 from riot.scores.trunks import Trunks, admissible_edges
 from riot.scores.vertices import congruency, convex_points, passes_visibility, sparse_points

@@ -12,7 +12,7 @@ import numpy as np
 from riot.construction.choose import construct_plans, plan_pairs, refine_best, trunk_pairs
 from riot.errors import RiotError, TrunkError
 from riot.geometry.shape import Shape
-from riot.parameters.method import (
+from riot.parameters import (
     QCRS_VARIANTS,
     ConstructParameters,
     CrsParameters,

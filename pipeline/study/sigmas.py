@@ -21,7 +21,7 @@ from pipeline.study.partners import Partners
 from pipeline.study.registry import TIMES
 from pipeline.study.statistics import Agreement, agreement
 from pipeline.tables.schemas import column
-from riot.parameters.method import QCRS_VARIANTS, QcrsParameters, QcrsVariant
+from riot.parameters import QCRS_VARIANTS, QcrsParameters, QcrsVariant
 from riot.scores.qcrs import TrunkStack, score_block, score_pairs, stack
 from riot.scores.trunks import compared_trunks
 

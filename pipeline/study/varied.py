@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.study.hidden import NEAR, Hidden, failed_test, nearest
 from riot.geometry.shape import Shape
-from riot.parameters.method import TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.scores.trunks import full_trunks
 from riot.types import FloatArray, IntArray
 from riot.units import L_C
@@ -25,7 +25,7 @@ class Outcome:
     Parameters
     ----------
     parameter : str
-        A field of `riot.parameters.method.TrunkParameters`.
+        A field of `riot.parameters.TrunkParameters`.
     value : float
     default : bool
         Whether it is the run's own.

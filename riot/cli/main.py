@@ -33,14 +33,14 @@ from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
 from riot.motion.planner import motion_of, with_motion
-from riot.parameters.method import (
+from riot.parameters import (
     ConstructParameters,
     CrsParameters,
+    MotionParameters,
     RefineParameters,
     ShapeParameters,
     TrunkParameters,
 )
-from riot.parameters.motion import MotionParameters
 from riot.scores.crs import crs
 from riot.scores.qcrs import qcrs
 from riot.transform.certificate import certify

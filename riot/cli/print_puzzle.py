@@ -18,7 +18,7 @@ from riot.fabricate.certificate import build, fix
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
 from riot.fabricate.model import Design
-from riot.parameters.fabrication import FabricationParameters
+from riot.parameters import FabricationParameters
 from riot.transform.riot_file import load
 from riot.transform.transform import Transform
 

@@ -6,27 +6,29 @@ import argparse
 from collections.abc import Collection
 from dataclasses import fields
 
-from riot.parameters.fabrication import ALLOWED, FabricationParameters
+from riot.parameters import FabricationParameters
+from riot.parameters.field import describe
 
 
 def add_sizes(parser: argparse.ArgumentParser, without: Collection[str] = ()) -> None:
     """Add an option for every parameter but those ``without`` one, which the command decides itself."""
     for field in fields(FabricationParameters):
         if field.name not in without:
-            least, greatest = ALLOWED[field.name]
+            declared = describe(field)
+            assert declared is not None
             parser.add_argument(
                 f"--{field.name.removesuffix('_mm').replace('_', '-')}",
                 dest=field.name,
                 type=float,
                 metavar="MM",
-                help=f"{least:g} to {greatest:g}, default {field.default:g}",
+                help=f"{declared.meaning} {declared.range}, default {field.default:g}",
             )
 
 
 def chosen_sizes(chosen: argparse.Namespace) -> FabricationParameters:
     """The parameters that were given, defaults else.
 
-    Raises `riot.errors.FabricationError` for a value out of its range.
+    Raises `riot.errors.ParameterError` for a value out of its range.
     """
     given = {field.name: getattr(chosen, field.name, None) for field in fields(FabricationParameters)}
     return FabricationParameters(**{name: value for name, value in given.items() if value is not None})

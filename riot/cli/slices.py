@@ -23,7 +23,7 @@ from riot.fabricate.export.folder import check_folder
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.transform.deformation import overlap_ratios
 
 if TYPE_CHECKING:

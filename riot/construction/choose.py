@@ -14,7 +14,7 @@ from riot.construction.plan import Plan, TrunkPair, plan_pair
 from riot.construction.refine import refine
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
-from riot.parameters.method import ConstructParameters, CrsParameters, RefineParameters, TrunkParameters
+from riot.parameters import ConstructParameters, CrsParameters, RefineParameters, TrunkParameters
 from riot.scores.crs import CrossScore, best_trunk_pairs
 from riot.scores.trunks import full_trunks
 from riot.transform.deformation import overlap_ratios

@@ -13,7 +13,7 @@ from riot.construction.mesh import mesh_convex
 from riot.construction.partition import label_cells
 from riot.construction.tree import TreeArc, cell_walks, dissection_tree, joined
 from riot.errors import ConstructionError
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.types import FloatArray, IntArray
 from riot.units import L_C
 

@@ -17,7 +17,7 @@ from riot.construction.pinning import pinned_paths
 from riot.construction.pins import Pins
 from riot.errors import ConstructionError
 from riot.geometry.polyline import edge_lengths, trunk_angles
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.transform.certificate import certify
 from riot.transform.pose import Placement, rotate
 from riot.transform.transform import Piece, Transform
@@ -122,7 +122,7 @@ def draft_plan(plan: Plan, parameters: ConstructParameters, detail: DetailParame
 def require_plan_contact(plan: Plan, spacing: float, allowed: float) -> None:
     """ConstructionError if either partition would fail for want of contact; a small part of the cost of `draft_plan`.
 
-    ``spacing`` and ``allowed`` as `spacing` and `max_lost_contact` of `riot.parameters.method.ConstructParameters`.
+    ``spacing`` and ``allowed`` as `spacing` and `max_lost_contact` of `riot.parameters.ConstructParameters`.
     """
     for trunk, arcs, where in (
         (plan.trunk_q[::-1], _backwards(plan.arcs_p, plan.offsets_p), "Q's trunk"),

@@ -7,7 +7,7 @@ from riot.construction.laplacian.method import construct_laplacian
 from riot.construction.pins import Pins
 from riot.construction.plan import Plan
 from riot.errors import ConstructionError
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.transform.certificate import certify
 from riot.transform.transform import Transform
 

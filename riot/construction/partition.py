@@ -14,7 +14,7 @@ import numpy as np
 from riot.construction.mesh import Mesh
 from riot.errors import ConstructionError
 from riot.kernels.cells import Arcs, boxed, distances_beside, flood, lost_contact, nearest_pieces, rooted, weights
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.types import FloatArray, IntArray
 
 NUDGE = 1e-9

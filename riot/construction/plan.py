@@ -12,7 +12,7 @@ from riot.errors import ConstructionError
 from riot.geometry.polyline import arc_length
 from riot.geometry.shape import Shape
 from riot.kernels.change import feet, least_changes, placed_arcs
-from riot.parameters.method import RefineParameters
+from riot.parameters import RefineParameters
 from riot.types import FloatArray, IntArray
 from riot.units import L_C
 

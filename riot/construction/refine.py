@@ -16,7 +16,7 @@ from riot.construction.conjugate import TOLERANCE, is_convex
 from riot.construction.plan import Plan, feet_of, plan_on
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, quasi_newton, tangential
-from riot.parameters.method import RefineParameters
+from riot.parameters import RefineParameters
 from riot.types import FloatArray
 from riot.units import D_C
 

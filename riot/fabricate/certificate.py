@@ -17,7 +17,7 @@ from riot.fabricate.checks import HingeCheck, MotionCheck, PartCheck, check_hing
 from riot.fabricate.design import design
 from riot.fabricate.model import Design
 from riot.fabricate.solid import Part, make_parts
-from riot.parameters.fabrication import ALLOWED, FabricationParameters
+from riot.parameters import FabricationParameters, allowed_range
 from riot.transform.transform import Transform
 
 LARGER = 1.25
@@ -161,7 +161,7 @@ def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) 
         return replace(tried, wall_mm=wall) if wall <= THICKEST_WALL else None
     if tried.pin_mm > THIN_PIN:
         return replace(tried, pin_mm=THIN_PIN)
-    greatest = ALLOWED["size_mm"][1]
+    greatest = allowed_range(FabricationParameters, "size_mm")[1]
     if not enlarge or tried.size_mm >= greatest:
         return None
     wished = error.value if error.parameter == "size_mm" and error.value > tried.size_mm else LARGER * tried.size_mm

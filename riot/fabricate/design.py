@@ -21,8 +21,8 @@ from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
 from riot.geometry.polyline import extent, signed_area
 from riot.motion.planner import motion_of, plan_motion
-from riot.parameters.fabrication import FabricationParameters as FabricationParameters
-from riot.parameters.motion import MotionParameters
+from riot.parameters import FabricationParameters as FabricationParameters
+from riot.parameters import MotionParameters
 from riot.transform.certificate import certify
 from riot.transform.motion import Motion
 from riot.transform.transform import Transform

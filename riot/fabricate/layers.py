@@ -10,7 +10,7 @@ from riot.errors import FabricationError
 from riot.fabricate.model import HingeEnd, Slab
 from riot.fabricate.outlines import CRUMB, GRID, disc, parts, subtract
 from riot.fabricate.telescope import Ring
-from riot.parameters.fabrication import FabricationParameters
+from riot.parameters import FabricationParameters
 
 _HEIGHT_DIGITS = 6
 

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from riot.fabricate.telescope import Ring, Telescope
-from riot.parameters.fabrication import FabricationParameters
+from riot.parameters import FabricationParameters
 from riot.transform.motion import Motion
 from riot.transform.pose import Pose
 from riot.transform.transform import Transform

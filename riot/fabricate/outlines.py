@@ -9,7 +9,7 @@ import shapely
 
 from riot.errors import FabricationError
 from riot.fabricate.model import PieceDesign, polygons
-from riot.parameters.fabrication import FabricationParameters
+from riot.parameters import FabricationParameters
 from riot.types import FloatArray
 
 GRID = 0.001

@@ -9,7 +9,7 @@ import numpy as np
 from riot.errors import FabricationError
 from riot.fabricate.shelves import shelves
 from riot.fabricate.solid import Part
-from riot.parameters.fabrication import FabricationParameters
+from riot.parameters import FabricationParameters
 
 SPACE_MM = 4.0
 """Between two parts, and along the edge of the bed."""

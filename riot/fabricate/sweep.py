@@ -11,7 +11,7 @@ from riot.errors import FabricationError
 from riot.fabricate.model import HingeEnd
 from riot.fabricate.outlines import GRID, parts, subtract
 from riot.fabricate.sub_chains import SubChain
-from riot.parameters.fabrication import ALLOWED, FabricationParameters
+from riot.parameters import FabricationParameters, allowed_range
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
@@ -56,7 +56,7 @@ def keep_hinges_apart(
         short, i, j = worst
         size = math.ceil(short * parameters.size_mm)
         mend = f"enlarge size_mm ({parameters.size_mm:g}) to {size} or thin pin_mm ({parameters.pin_mm:g})"
-        if size > ALLOWED["size_mm"][1]:
+        if size > allowed_range(FabricationParameters, "size_mm")[1]:
             mend = f"no allowed size_mm is enough (it takes {size})"
         raise FabricationError(
             "hinges-meet",

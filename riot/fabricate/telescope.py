@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 
 from riot.errors import FabricationError
-from riot.parameters.fabrication import FabricationParameters
+from riot.parameters import FabricationParameters
 
 LEDGE_HEIGHT = 0.8
 LIP_HEIGHT = 0.6

@@ -12,7 +12,7 @@ from skimage.measure import find_contours
 from riot.errors import SilhouetteError
 from riot.geometry import polyline
 from riot.geometry.picture import Picture
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.types import BoolArray, FloatArray
 
 _FINE_SIDE = 512.0

@@ -1,7 +1,7 @@
 """Limits on files that nobody vouches for: they must be files, and no longer than they may be (ours).
 
 What a file's content may ask for is limited where the content is understood: pixels and contour points in
-`riot.parameters.method` and `riot.geometry.silhouette`, drawn geometry in `riot.geometry.svg_document` and
+`riot.parameters` and `riot.geometry.silhouette`, drawn geometry in `riot.geometry.svg_document` and
 `riot.geometry.svg_outline`, pieces in `riot.transform.riot_file`.
 """
 

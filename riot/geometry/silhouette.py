@@ -16,7 +16,7 @@ from riot.geometry.contour import find_object, trace_contour
 from riot.geometry.crossings import TangleError, refuse_tangles
 from riot.geometry.picture import Picture, decode
 from riot.geometry.shape import Shape
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.types import BoolArray, FloatArray
 from riot.units import L_C
 

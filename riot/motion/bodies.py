@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from riot.geometry.polyline import extent
-from riot.parameters.motion import MotionParameters
+from riot.parameters import MotionParameters
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from riot.motion.bodies import Bodies, make_bodies
 from riot.motion.search import Subchain, find_path
-from riot.parameters.motion import MotionParameters as MotionParameters
+from riot.parameters import MotionParameters as MotionParameters
 from riot.transform.motion import LIFT, SEARCHES
 from riot.transform.motion import Attempt as Attempt
 from riot.transform.motion import Motion as Motion

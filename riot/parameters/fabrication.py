@@ -6,26 +6,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from riot.errors import FabricationError
+from riot.parameters.field import ParameterGroup, parameter
 
-ALLOWED: dict[str, tuple[float, float]] = {
-    "size_mm": (30.0, 1000.0),
-    "thickness_mm": (6.0, 30.0),
-    "pin_mm": (1.75, 8.0),
-    "clearance_mm": (0.15, 0.6),
-    "play_mm": (0.05, 0.5),
-    "axial_gap_mm": (0.2, 0.6),
-    "wall_mm": (0.8, 10.0),
-    "gap_mm": (0.1, 0.8),
-    "telescope_wall_mm": (0.8, 4.0),
-    "telescope_gap_mm": (0.15, 0.6),
-    "telescope_ledge_mm": (0.5, 3.0),
-    "layer_mm": (0.1, 0.4),
-    "kerf_mm": (0.0, 0.5),
-    "bed_width_mm": (80.0, 1000.0),
-    "bed_depth_mm": (80.0, 1000.0),
-}
-"""Least and greatest value of every parameter."""
+MAKERS = "ours, from makers' literature"
 
 LIFT_MM = 1.0
 """A telescopic hinge lifts its piece by the thickness and so much more."""
@@ -35,49 +18,104 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class FabricationParameters:
-    """Sizes of the puzzle and its hinges, all in mm; `ALLOWED` has their ranges.
+class FabricationParameters(ParameterGroup):
+    """Sizes of the puzzle and its hinges, all in mm."""
 
-    Raises `riot.errors.FabricationError`, naming the parameter, for a value out of its range.
-    """
-
-    size_mm: float = 120.0
-    """Long side of the larger of the two shapes."""
-    thickness_mm: float = 9.0
-    """Of all pieces: three layers of knuckles. Rounded to whole layers of the printer (`height`)."""
-    pin_mm: float = 3.0
-    """Diameter of the pivot pins; 1.75 is a piece of filament."""
-    clearance_mm: float = 0.35
-    """Between the pin and the hole of a male knuckle, in radius: it turns."""
-    play_mm: float = 0.20
-    """Between the pin and the hole of a female knuckle, in radius: the pin is pushed in."""
-    axial_gap_mm: float = 0.30
-    """Between the faces of two knuckles of one hinge; rounded up to whole layers (`axial_gap`)."""
-    wall_mm: float = 1.6
-    """Of a knuckle around the wider hole."""
-    gap_mm: float = 0.35
-    """Between the outlines of neighbouring pieces: half of it is taken off all round every piece."""
-    telescope_wall_mm: float = 1.2
-    """Of the two tubes of a telescopic hinge."""
-    telescope_gap_mm: float = 0.3
-    """Between two nested cylinders of it, in radius."""
-    telescope_ledge_mm: float = 1.0
-    """How far the ledge of a tube stands inwards."""
-    layer_mm: float = 0.2
-    """Layer height of the printer: all heights are multiples of it."""
-    kerf_mm: float = 0.15
-    """Width of the laser's cut; of no account for printing."""
-    bed_width_mm: float = 220.0
-    bed_depth_mm: float = 220.0
-    """Of the printer's bed."""
-
-    def __post_init__(self) -> None:
-        for name, (least, greatest) in ALLOWED.items():
-            value = getattr(self, name)
-            if not (isinstance(value, int | float) and math.isfinite(value) and least <= value <= greatest):
-                raise FabricationError(
-                    "out-of-range", f"{name}: {value!r} is out of the allowed range, {least:g} to {greatest:g} mm", name
-                )
+    size_mm: float = parameter(
+        120.0, at_least=30, at_most=1000, unit="mm", source=MAKERS, meaning="Long side of the larger of the two shapes."
+    )
+    thickness_mm: float = parameter(
+        9.0,
+        at_least=6,
+        at_most=30,
+        unit="mm",
+        source=MAKERS,
+        meaning="Thickness of all pieces: three layers of knuckles. Rounded to whole layers of the printer.",
+    )
+    pin_mm: float = parameter(
+        3.0,
+        at_least=1.75,
+        at_most=8,
+        unit="mm",
+        source=MAKERS,
+        meaning="Diameter of the pivot pins; 1.75 is a piece of filament.",
+    )
+    clearance_mm: float = parameter(
+        0.35,
+        at_least=0.15,
+        at_most=0.6,
+        unit="mm",
+        source=MAKERS,
+        meaning="Gap in radius between the pin and the hole of a male knuckle: it turns.",
+    )
+    play_mm: float = parameter(
+        0.2,
+        at_least=0.05,
+        at_most=0.5,
+        unit="mm",
+        source=MAKERS,
+        meaning="Gap in radius between the pin and the hole of a female knuckle: the pin is pushed in.",
+    )
+    axial_gap_mm: float = parameter(
+        0.3,
+        at_least=0.2,
+        at_most=0.6,
+        unit="mm",
+        source=MAKERS,
+        meaning="Gap between the faces of two knuckles of one hinge; rounded up to whole layers.",
+    )
+    wall_mm: float = parameter(
+        1.6, at_least=0.8, at_most=10, unit="mm", source=MAKERS, meaning="Wall of a knuckle around the wider hole."
+    )
+    gap_mm: float = parameter(
+        0.35,
+        at_least=0.1,
+        at_most=0.8,
+        unit="mm",
+        source=MAKERS,
+        meaning="Gap between the outlines of neighbouring pieces: half of it is taken off all round every piece.",
+    )
+    telescope_wall_mm: float = parameter(
+        1.2, at_least=0.8, at_most=4, unit="mm", source=MAKERS, meaning="Wall of the two tubes of a telescopic hinge."
+    )
+    telescope_gap_mm: float = parameter(
+        0.3,
+        at_least=0.15,
+        at_most=0.6,
+        unit="mm",
+        source=MAKERS,
+        meaning="Gap in radius between two nested cylinders of a telescopic hinge.",
+    )
+    telescope_ledge_mm: float = parameter(
+        1.0,
+        at_least=0.5,
+        at_most=3,
+        unit="mm",
+        source=MAKERS,
+        meaning="How far the ledge of a telescopic hinge's tube stands inwards.",
+    )
+    layer_mm: float = parameter(
+        0.2,
+        at_least=0.1,
+        at_most=0.4,
+        unit="mm",
+        source=MAKERS,
+        meaning="Layer height of the printer: all heights are multiples of it.",
+    )
+    kerf_mm: float = parameter(
+        0.15,
+        at_least=0,
+        at_most=0.5,
+        unit="mm",
+        source=MAKERS,
+        meaning="Width of the laser's cut; it does not matter for printing.",
+    )
+    bed_width_mm: float = parameter(
+        220.0, at_least=80, at_most=1000, unit="mm", source=MAKERS, meaning="Width of the printer's bed."
+    )
+    bed_depth_mm: float = parameter(
+        220.0, at_least=80, at_most=1000, unit="mm", source=MAKERS, meaning="Depth of the printer's bed."
+    )
 
     @property
     def height(self) -> float:

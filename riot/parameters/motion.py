@@ -1,32 +1,37 @@
-"""Parameters of motion planning; all ours, lengths in units of the longer side of the larger shape.
+"""Parameters of motion planning; all ours.
 
-Fabrication gives them in mm for a longer side of 120 mm; the values are makers' rules, not our own prints.
+Fabrication gives lengths in mm for a longer side of 120 mm; the values are makers' rules, not our own prints.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from riot.parameters.field import ParameterGroup, parameter
+
 
 @dataclass(frozen=True)
-class MotionParameters:
+class MotionParameters(ParameterGroup):
     """Clearances of the pieces, and how long to search."""
 
-    gap: float = 0.00292
-    """Outline gap between neighbouring pieces: every piece is shrunk by half of it (0.35 mm of 120 mm)."""
-    relief: float = 0.0316
-    """Radius of the disc around a hinge in which its two pieces cannot meet: their knuckles take turns in height
-    there (3.8 mm of 120 mm: pin of 3 mm, clearance, wall of 1.6 mm, outline gap)."""
-    samples: int = 300
-    """Random poses for one stretch of the chain, after all regular orders have failed."""
-    seed: int = 0
-    """Of the random poses."""
-
-    def __post_init__(self) -> None:
-        for name in ("gap", "relief"):
-            value = getattr(self, name)
-            if not 0.0 < value < 0.5:
-                raise ValueError(f"{name}: must be greater than 0 and less than 0.5, got {value}")
-        for name in ("samples", "seed"):
-            if getattr(self, name) < 0:
-                raise ValueError(f"{name}: must be 0 or more, got {getattr(self, name)}")
+    gap: float = parameter(
+        0.00292,
+        above=0,
+        below=0.5,
+        unit="longer sides",
+        meaning="Outline gap between neighbouring pieces: every piece is shrunk by half of it (0.35 mm of 120 mm).",
+    )
+    relief: float = parameter(
+        0.0316,
+        above=0,
+        below=0.5,
+        unit="longer sides",
+        meaning="Radius of the disc around a hinge in which its two pieces cannot meet: their knuckles take turns in "
+        "height there (3.8 mm of 120 mm: pin of 3 mm, clearance, wall of 1.6 mm, outline gap).",
+    )
+    samples: int = parameter(
+        300,
+        at_least=0,
+        meaning="Random poses for one part of the motion of the chain, after all regular orders have failed.",
+    )
+    seed: int = parameter(0, at_least=0, meaning="Seed of the random poses.")

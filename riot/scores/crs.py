@@ -11,7 +11,7 @@ from riot.geometry.polyline import swept_area
 from riot.geometry.shape import Shape
 from riot.kernels.candidates import TrunkSide, Units, arrange, leaf_pairs, nearest_candidates, piece_areas
 from riot.kernels.coverage import best_area_terms
-from riot.parameters.method import CrsParameters
+from riot.parameters import CrsParameters
 from riot.scores.trunks import Trunks, full_trunks
 from riot.types import FloatArray, IntArray
 from riot.units import D_C

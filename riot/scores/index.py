@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from riot.kernels.forest import Forest
 from riot.kernels.search import partners
-from riot.parameters.method import QcrsParameters
+from riot.parameters import QcrsParameters
 from riot.scores.leaves import gather_leaves
 from riot.scores.qcrs import BlockScores, TrunkStack, distance_of, lay_out_forest, scale_of
 

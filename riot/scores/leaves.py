@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from riot.kernels.leaves import features, gather
-from riot.parameters.method import QcrsParameters
+from riot.parameters import QcrsParameters
 from riot.types import FloatArray, IntArray
 from riot.units import D_C
 

@@ -15,7 +15,7 @@ from riot.kernels.forest import Forest, Scale
 from riot.kernels.leaves import FEATURES, LEAF, WIDE, facing, features, lay_out
 from riot.kernels.pairs import Side, Sigmas, brute_block, mirrored
 from riot.kernels.search import block
-from riot.parameters.method import QCRS_VARIANTS, QcrsParameters, QcrsVariant, TrunkParameters
+from riot.parameters import QCRS_VARIANTS, QcrsParameters, QcrsVariant, TrunkParameters
 from riot.scores.leaves import gather_leaves
 from riot.scores.trunks import Trunks, compared_trunks
 from riot.types import FloatArray, IntArray

@@ -10,7 +10,7 @@ import numpy as np
 from riot.geometry.polyline import TIE, TOUCH, arc_length, shifted, simplify
 from riot.geometry.shape import Shape
 from riot.kernels.segments import find_necks
-from riot.parameters.method import ReversibilityParameters, TrunkParameters
+from riot.parameters import ReversibilityParameters, TrunkParameters
 from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
 

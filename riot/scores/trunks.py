@@ -14,7 +14,7 @@ from riot.geometry.polyline import TIE, TOUCH, arc_length, swept_area
 from riot.geometry.shape import Shape
 from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.segments import inside_shares
-from riot.parameters.method import QcrsVariant, TrunkParameters
+from riot.parameters import QcrsVariant, TrunkParameters
 from riot.scores.reversibility import Reversibility, cut_off, reversibility
 from riot.scores.vertices import (
     Congruency,

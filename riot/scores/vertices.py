@@ -11,7 +11,7 @@ from riot.geometry.polyline import TIE, arc_length, interior_angles, simplify, s
 from riot.geometry.shape import Shape
 from riot.kernels.congruency import local_turns, longest_congruent
 from riot.kernels.visibility import seen_from
-from riot.parameters.method import TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
 

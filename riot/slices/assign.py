@@ -12,7 +12,7 @@ from riot.construction.choose import drop_without_contact, find_plans
 from riot.construction.plan import Plan
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
-from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.parameters import ConstructParameters, RefineParameters
 from riot.scores.qcrs import score_block, stack
 from riot.scores.trunks import Trunks, quick_trunks
 from riot.types import FloatArray, IntArray

@@ -18,7 +18,7 @@ import shapely
 from riot.errors import ModelError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import polygon_shape
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.slices.model import Model
 from riot.types import FloatArray
 

@@ -19,8 +19,7 @@ from riot.fabricate.plates import lay_out
 from riot.geometry.polyline import extent
 from riot.geometry.shape import Shape
 from riot.motion.planner import with_motion
-from riot.parameters.fabrication import ALLOWED, FabricationParameters
-from riot.parameters.method import ConstructParameters, ShapeParameters
+from riot.parameters import ConstructParameters, FabricationParameters, ShapeParameters, allowed_range
 from riot.slices.assign import Planned, Shortlist, assign, plan_slice
 from riot.slices.cut import Slice, Stack
 from riot.transform.transform import Transform
@@ -172,7 +171,7 @@ def make_puzzle(each: Slice, planned: Planned, parameters: FabricationParameters
     """
     transform = with_motion(construct_plans(planned.plans, planned.unplanned, ConstructParameters()))
     size = mm_per_unit(transform.p) * max(extent(transform.outline_p()), extent(transform.outline_q()))
-    least, greatest = ALLOWED["size_mm"]
+    least, greatest = allowed_range(FabricationParameters, "size_mm")
     if not least <= size <= greatest:
         raise FabricationError(
             "out-of-range",
@@ -196,7 +195,7 @@ def _built(transform: Transform, parameters: FabricationParameters, mend: bool) 
     try:
         made = fix(transform, parameters, enlarge=False) if mend else build(transform, parameters)
     except FabricationError as error:
-        if error.parameter != "size_mm" or error.value > ALLOWED["size_mm"][1]:
+        if error.parameter != "size_mm" or error.value > allowed_range(FabricationParameters, "size_mm")[1]:
             raise
         times = f"{error.value / size:.2f} times as large" if error.value > size else "larger"
         raise FabricationError(

@@ -21,7 +21,7 @@ from pipeline.plan.plan import Reference
 from pipeline.stages.registry import Work, work_of
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
-from riot.parameters.method import RefineParameters
+from riot.parameters import RefineParameters
 
 Death = Callable[[], None]
 """Called at the start of a victim; arranges for its end."""

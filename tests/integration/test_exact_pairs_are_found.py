@@ -9,7 +9,7 @@ import shapely
 from riot import Shape, construct, crs, qcrs
 from riot.geometry.silhouette import mask_shape
 from riot.groundtruth.pairs import ExactPair, dudeney, exact_pair
-from riot.parameters.method import RefineParameters
+from riot.parameters import RefineParameters
 from riot.types import FloatArray
 
 

@@ -17,7 +17,7 @@ from pipeline.cli.main import main
 from pipeline.match.search import open_mined
 from pipeline.match.slices import shortlists
 from riot.geometry.silhouette import read
-from riot.parameters.method import TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.scores.qcrs import brute_force, stack
 from riot.scores.trunks import quick_trunks
 

@@ -22,7 +22,7 @@ from pipeline.study.hidden import failed_test, hide
 from pipeline.study.partners import changed
 from pipeline.study.statistics import wilson
 from riot import groundtruth
-from riot.parameters.method import TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.geometry.polyline import edge_lengths, signed_area
 from riot.scores.trunks import full_trunks, quick_trunks
 

@@ -23,7 +23,7 @@ from riot.construction.laplacian import construct_laplacian
 from riot.draw.palette import hue
 from riot.draw.texture.paint import pattern_texture
 from riot.draw.texture.sample import piece_images
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.transform.deformation import measure_deformation
 
 

@@ -20,7 +20,7 @@ from pipeline.study.ordering import orders, reordered
 from pipeline.study.parameters import TIMES, Parameters, study
 from pipeline.study.varied import vary
 from riot import Shape
-from riot.parameters.method import ReversibilityParameters, TrunkParameters
+from riot.parameters import ReversibilityParameters, TrunkParameters
 from riot.scores.reversibility import reversibility
 from riot.scores.trunks import Trunks, full_trunks
 from riot.units import L_C

@@ -18,7 +18,7 @@ from riot.kernels.congruency import frechet
 from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.segments import inside_shares
 from riot.kernels.visibility import seen_from
-from riot.parameters.method import TrunkParameters
+from riot.parameters import TrunkParameters
 from riot.scores.trunks import Trunks, admissible_edges, full_trunks, quick_trunks
 from riot.scores.vertices import congruency, convex_points, passes_visibility, sparse_points
 from riot.units import L_C

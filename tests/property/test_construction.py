@@ -21,7 +21,7 @@ from riot.construction.plan import TrunkPair, plan_pair
 from riot.construction.tree import cell_paths, dissection_tree
 from riot.geometry.polyline import edge_lengths
 from riot.groundtruth.pairs import dudeney, exact_pair
-from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.parameters import ConstructParameters, RefineParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.types import FloatArray
 

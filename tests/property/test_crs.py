@@ -18,7 +18,7 @@ from riot.geometry.shape import Shape
 from riot.groundtruth.pairs import exact_pair
 from riot.kernels.candidates import Units, leaf_pairs, nearest_candidates
 from riot.kernels.coverage import area_terms, swung_arcs, uncovered
-from riot.parameters.method import CrsParameters
+from riot.parameters import CrsParameters
 from riot.scores.crs import AREA_SLACK, NO_SCORE, best_of_prepared, best_trunk_pairs, crs, gaussian, prepare
 from riot.scores.qcrs import corresponding
 from riot.scores.trunks import Trunks, full_trunks

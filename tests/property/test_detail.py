@@ -25,7 +25,7 @@ from riot.geometry.polyline import simplify_open
 from riot.groundtruth.pairs import ExactPair, exact_pair
 from riot.kernels.detail import BENDABLE, collisions, difference, solved
 from riot.kernels.matching import along, at, corresponding, merged, turnings
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.types import FloatArray
 

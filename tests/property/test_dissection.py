@@ -16,7 +16,7 @@ from riot.construction.mesh import mesh_convex
 from riot.construction.partition import label_cells
 from riot.construction.tree import dissection_tree
 from riot.kernels.cells import rooted, weights
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.types import FloatArray, IntArray
 
 ANYTHING = dataclasses.replace(ConstructParameters(), max_cut_off=1.0, max_lost_contact=1.0)

@@ -21,7 +21,7 @@ from riot.construction.laplacian.residual import residuals
 from riot.construction.make import construct_plan
 from riot.construction.plan import Plan, TrunkPair, plan_pair
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.transform.certificate import certify
 from riot.transform.deformation import measure_deformation

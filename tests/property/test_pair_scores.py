@@ -15,7 +15,7 @@ from riot.groundtruth.pairs import exact_pair
 from riot.kernels import leaves as leaf_kernels
 from riot.kernels import search as search_kernels
 from riot.kernels.leaves import FEATURES, LEAF, features
-from riot.parameters.method import QcrsParameters
+from riot.parameters import QcrsParameters
 from riot.scores.crs import gaussian
 from riot.scores.leaves import gather_leaves
 from riot.scores.qcrs import TrunkStack, brute_force, qcrs, score_block, score_pairs, stack

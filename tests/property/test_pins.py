@@ -19,7 +19,7 @@ from riot.construction.match import LEAF
 from riot.construction.pinning import TOLERANCE
 from riot.construction.pins import Pin, Pins, draw, keep, load_pins, pins_from_json
 from riot.construction.plan import Plan
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.types import FloatArray
 from riot.units import L_C

@@ -7,7 +7,7 @@ import pytest
 from blobs import blob
 from scipy.stats import kendalltau
 
-from riot.parameters.method import QCRS_VARIANTS, QcrsParameters
+from riot.parameters import QCRS_VARIANTS, QcrsParameters
 from riot.scores.crs import crs
 from riot.scores.qcrs import brute_force, qcrs, score_block, stack
 from riot.scores.reversibility import Reversibility

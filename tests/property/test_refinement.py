@@ -19,7 +19,7 @@ from riot.geometry.polyline import edge_lengths
 from riot.groundtruth.pairs import exact_pair
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, edge_differences, tangential
-from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.parameters import ConstructParameters, RefineParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.transform.pose import rotate
 from riot.units import D_C

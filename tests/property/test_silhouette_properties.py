@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from riot.geometry import polyline
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import mask_shape, polygon_shape
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.types import FloatArray
 from riot.units import L_C
 

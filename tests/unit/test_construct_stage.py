@@ -23,7 +23,7 @@ from riot import Shape, Transform
 from riot.construction.laplacian import construct_laplacian
 from riot.geometry.polyline import signed_area
 from riot.groundtruth.pairs import exact_pair, exact_transform
-from riot.parameters.method import ConstructParameters, RefineParameters
+from riot.parameters import ConstructParameters, RefineParameters
 from riot.scores.crs import CrossScore
 from riot.transform.deformation import change_ratio
 from riot.transform.riot_file import from_json, to_json

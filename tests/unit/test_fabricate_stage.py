@@ -145,7 +145,7 @@ def test_parameters_are_the_librarys_and_are_checked() -> None:
     assert FabricateConfig().sizes == FabricationParameters()
     for values, words in (
         ({"top": -1}, "fabricate.top: must be 0 or more"),
-        ({"size_mm": 5.0}, "fabricate.size_mm: 5.0 is out of the allowed range, 30 to 1000 mm"),
+        ({"size_mm": 5.0}, "fabricate.size_mm: must be 30 to 1000 mm, got 5.0"),
         ({"glue_mm": 1.0}, "fabricate.glue_mm: no such parameter"),
     ):
         with pytest.raises(ConfigError, match=words):

@@ -72,7 +72,7 @@ def test_data_sets_and_flags() -> None:
         ("trunks.max_vertices=2", ["trunks.max_vertices", "3"]),
         ("trunks.tau_s=-1", ["trunks.tau_s", "greater than 0"]),
         ("trunks.tau_s=nan", ["trunks.tau_s", "finite"]),
-        ("trunks.min_inside=1.5", ["trunks.min_inside", "at most 1"]),
+        ("trunks.min_inside=1.5", ["trunks.min_inside", "0 to 1"]),
         ("select.policy=best", ["select.policy", "paper, global"]),
         ("select=best", ["select=best", "global, paper"]),
         ("select.top=0", ["select.top", "greater than 0"]),

@@ -7,7 +7,7 @@ import pytest
 from pipeline.config.schema import Config, make_config
 from pipeline.errors import ConfigError
 from pipeline.stages.registry import BY_NAME, recipe
-from riot.parameters.method import QCRS_VARIANTS, QcrsParameters
+from riot.parameters import QCRS_VARIANTS, QcrsParameters
 
 
 def configured(**qcrs: object) -> Config:

@@ -14,7 +14,7 @@ from riot import Shape
 from riot.errors import RiotError, SilhouetteError
 from riot.geometry.picture import decode
 from riot.geometry.silhouette import mask_shape, polygon_shape, read, read_image
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 from riot.types import FloatArray
 
 

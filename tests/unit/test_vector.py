@@ -12,7 +12,7 @@ from riot import Shape
 from riot.errors import SilhouetteError
 from riot.geometry.silhouette import read
 from riot.geometry.svg_outline import outline
-from riot.parameters.method import ShapeParameters
+from riot.parameters import ShapeParameters
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 100 100">'
 

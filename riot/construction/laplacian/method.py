@@ -13,7 +13,7 @@ from riot.construction.laplacian.phases import close_gaps, part_overlaps, scale_
 from riot.construction.laplacian.residual import Residual
 from riot.geometry.polyline import edge_lengths, trunk_angles
 from riot.kernels.coverage import swung_arcs
-from riot.parameters.method import ConstructParameters
+from riot.parameters import ConstructParameters
 from riot.transform.pose import Placement, rotate
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray

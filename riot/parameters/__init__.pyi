@@ -1,0 +1,16 @@
+from . import field as field
+from .construct import ConstructParameters as ConstructParameters
+from .crs import CrsParameters as CrsParameters
+from .fabrication import FabricationParameters as FabricationParameters
+from .field import Parameter as Parameter
+from .field import ParameterGroup as ParameterGroup
+from .field import allowed_range as allowed_range
+from .field import parameter as parameter
+from .motion import MotionParameters as MotionParameters
+from .qcrs import QCRS_VARIANTS as QCRS_VARIANTS
+from .qcrs import QcrsParameters as QcrsParameters
+from .qcrs import QcrsVariant as QcrsVariant
+from .refine import RefineParameters as RefineParameters
+from .reversibility import ReversibilityParameters as ReversibilityParameters
+from .shape import ShapeParameters as ShapeParameters
+from .trunks import TrunkParameters as TrunkParameters
