@@ -31,6 +31,7 @@ from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS, SWEEP
 from riot import Shape, construct
 from riot.draw import animate_svg, draw_strip
+from riot.parameters.field import describe
 
 ROOT = Path(__file__).resolve().parents[1]
 HELP_WIDTH = 80
@@ -131,12 +132,16 @@ def _groups(kinds: dict[str, Any]) -> list[str]:
 
 
 def _parameter_table(kind: Any, prefix: str, without: dict[str, None]) -> Iterator[str]:
-    yield "| parameter | type | default | meaning |\n|---|---|---|---|"
+    yield "| parameter | type | default | unit | range | meaning |\n|---|---|---|---|---|---|"
     meanings = _field_docstrings(kind)
     for field in dataclasses.fields(kind):
         if field.name not in without:
             default = "needed" if field.default is dataclasses.MISSING else field.default
-            cells = (str(field.type), "null" if default is None else str(default), meanings.get(field.name, ""))
+            declared = describe(field)
+            meaning, unit, allowed = meanings.get(field.name, ""), "", ""
+            if declared is not None:
+                meaning, unit, allowed = f"{declared.meaning} Source: {declared.source}.", declared.unit, declared.range
+            cells = (str(field.type), "null" if default is None else str(default), unit, allowed, meaning)
             yield f"| `{prefix}{field.name}` | {' | '.join(_cell(cell) for cell in cells)} |"
 
 
