@@ -1,5 +1,6 @@
 from . import flat as flat
 from . import folder as folder
+from . import instructions as instructions
 from . import page as page
 from . import paper as paper
 from . import paperwork as paperwork

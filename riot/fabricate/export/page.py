@@ -16,12 +16,12 @@ from riot.draw.palette import hue
 from riot.draw.pdf import pdf_bytes
 from riot.draw.scene import Mark, Region, Scene
 from riot.fabricate.export.flat import FlatFormatError
+from riot.fabricate.export.instructions import end_in_words, pins_in_words, shape_names, sizes, steps
 from riot.fabricate.export.paper import Frame, disc, number_marks, region_mark, sheet, text
-from riot.fabricate.export.sheets import NAME
 from riot.transform.pose import Pose, direction
 
 if TYPE_CHECKING:
-    from riot.fabricate.model import Design, HingeEnd
+    from riot.fabricate.model import Design
     from riot.types import FloatArray
 
 WIDTH, HEIGHT = 210.0, 297.0
@@ -58,19 +58,14 @@ def page_scenes(design: Design) -> list[Scene]:
     return [sheet("assembly", WIDTH, HEIGHT, marks) for marks in (_pictures(design), *_lists(design))]
 
 
-def _names(design: Design) -> tuple[str, str]:
-    p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
-    return textwrap.shorten(p, NAME, placeholder="…"), textwrap.shorten(q, NAME, placeholder="…")
-
-
 def _pictures(design: Design) -> list[Mark]:
     """The first page."""
-    names = _names(design)
+    names = shape_names(design)
     width, top = WIDTH - 2 * MARGIN_MM, HEIGHT - MARGIN_MM
-    count = len(design.pieces)
+    summary = f"{len(design.pieces)} pieces, {pins_in_words(design)}; the chain {design.motion.words}"
     marks: list[Mark] = [
         text(MARGIN_MM, top - 5.0, f"{names[0]} ⇄ {names[1]}", 6.5, weight="bold"),
-        text(MARGIN_MM, top - 11.5, f"{count} pieces, {_pins(design)}; the chain {design.motion.words}", 3.2, "note"),
+        text(MARGIN_MM, top - 11.5, summary, 3.2, "note"),
     ]
     top -= 20.0
 
@@ -100,7 +95,7 @@ def _pictures(design: Design) -> list[Mark]:
 
 def _swing(design: Design, top: float) -> list[Mark]:
     """Poses of the motion in rows, all at one scale."""
-    names, width = _names(design), WIDTH - 2 * MARGIN_MM
+    names, width = shape_names(design), WIDTH - 2 * MARGIN_MM
     times = np.linspace(0.0, 1.0, ROWS * COLUMNS)
     groups = [_frames(design, design.motion.pose_at(float(t))) for t in times]
     sizes = np.array([_size(frames, design) for frames in groups]).reshape(ROWS, COLUMNS, 2)
@@ -126,14 +121,14 @@ def _lists(design: Design) -> list[list[Mark]]:
     lines: list[tuple[str, str]] = [("head", "Parts")]
     for piece in design.pieces:
         wide, high = np.ptp(piece.outline, axis=0).tolist()
-        ends = f"{_end(piece.start)}, then {_end(piece.end)}"
+        ends = f"{end_in_words(piece.start)}, then {end_in_words(piece.end)}"
         lines.append(("row", f"{piece.index + 1}\t1 × {piece.name}\t{wide:.0f} × {high:.0f} mm\t{ends}"))
     lines += [("row", f"\t{pin.count} × pin\t⌀ {pin.diameter:g} × {pin.length:g} mm\t") for pin in design.pins]
     if design.sleeves:
         lines.append(("row", f"\t{design.sleeves} × sleeve\t\tof telescopic hinges"))
-    lines += [("gap", ""), ("head", "Steps"), *_numbered(_steps(design))]
+    lines += [("gap", ""), ("head", "Steps"), *_numbered(steps(design))]
     lines += [("gap", ""), ("head", "Warnings"), *(_numbered(design.warnings) or [("text", "none")])]
-    lines += [("gap", ""), ("head", "Sizes"), *(("text", line) for line in _sizes(design))]
+    lines += [("gap", ""), ("head", "Sizes"), *(("text", line) for line in sizes(design))]
 
     pages: list[list[Mark]] = [[]]
     y = HEIGHT - MARGIN_MM
@@ -168,55 +163,6 @@ def _numbered(texts: Sequence[str]) -> list[tuple[str, str]]:
         first, *more = textwrap.wrap(words, _LETTERS)
         lines += [("text", f"{number}.  {first}"), *(("text", f"     {line}") for line in more)]
     return lines
-
-
-def _steps(design: Design) -> list[str]:
-    n, motion = len(design.pieces), design.motion
-    first = motion.open_hinge
-    order = [(first + k) % n + 1 for k in range(n)]
-    names = _names(design)
-    steps = [f"Lay the pieces on the table, fronts up, in this order: {', '.join(map(str, order))}."]
-    if design.pins:
-        steps.append(
-            "At every pin hinge slide the middle knuckle of one piece between the two of the next, and push a pin "
-            "through all three."
-        )
-    if motion.lifted:
-        joined = ", ".join(f"{(hinge - 1) % n + 1} and {hinge + 1}" for hinge in motion.lifted)
-        steps.append(
-            f"Between pieces {joined}: push a sleeve into the barrel from below, then the slit rod of the other piece "
-            "into the sleeve from above, until both snap."
-        )
-    steps.append(f"Pieces {order[-1]} and {order[0]} are the free ends: nothing joins them.")
-    steps.append(f"Swing the chain shut one way for {names[0]}, and the other way for {names[1]}.")
-    steps.append(
-        f"Texture sheets: those of {names[0]} go on the front; those of {names[1]} on the back, where it is seen "
-        "mirrored when the puzzle is turned over."
-    )
-    return steps
-
-
-def _sizes(design: Design) -> list[str]:
-    parameters = design.parameters
-    return [
-        f"long side {parameters.size_mm:g} mm, thickness {parameters.height:g} mm, layer {parameters.layer_mm:g} mm",
-        f"pin {parameters.pin_mm:g} mm; clearance {parameters.clearance_mm:g} mm where it turns, play "
-        f"{parameters.play_mm:g} mm where it is pushed in",
-        f"between outlines {parameters.gap_mm:g} mm, between knuckles {parameters.axial_gap:g} mm; "
-        f"laser kerf {parameters.kerf_mm:g} mm",
-        "Clearances are from makers' literature, not from our own prints: print one hinge first.",
-    ]
-
-
-def _pins(design: Design) -> str:
-    said = [f"{pin.count} pins ⌀ {pin.diameter:g} × {pin.length:g} mm" for pin in design.pins]
-    if design.sleeves:
-        said.append(f"{design.sleeves} sleeve{'s' if design.sleeves > 1 else ''}")
-    return ", ".join(said) or "no pins"
-
-
-def _end(end: HingeEnd) -> str:
-    return "free" if end.kind == "open" else f"{end.kind}, {end.role}"
 
 
 def _closed(design: Design, t: float) -> list[Frame]:

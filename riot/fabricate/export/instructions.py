@@ -1,0 +1,70 @@
+"""What the assembly page says in words: steps, sizes, pins and hinges. Ours."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+from riot.fabricate.export.sheets import NAME
+
+if TYPE_CHECKING:
+    from riot.fabricate.model import Design, HingeEnd
+
+
+def shape_names(design: Design) -> tuple[str, str]:
+    """The names of P and Q, no longer than fits."""
+    p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
+    return textwrap.shorten(p, NAME, placeholder="…"), textwrap.shorten(q, NAME, placeholder="…")
+
+
+def steps(design: Design) -> list[str]:
+    """What to do with the pieces, sentence by sentence."""
+    n, motion = len(design.pieces), design.motion
+    first = motion.open_hinge
+    order = [(first + k) % n + 1 for k in range(n)]
+    names = shape_names(design)
+    sentences = [f"Lay the pieces on the table, fronts up, in this order: {', '.join(map(str, order))}."]
+    if design.pins:
+        sentences.append(
+            "At every pin hinge slide the middle knuckle of one piece between the two of the next, and push a pin "
+            "through all three."
+        )
+    if motion.lifted:
+        joined = ", ".join(f"{(hinge - 1) % n + 1} and {hinge + 1}" for hinge in motion.lifted)
+        sentences.append(
+            f"Between pieces {joined}: push a sleeve into the barrel from below, then the slit rod of the other piece "
+            "into the sleeve from above, until both snap."
+        )
+    sentences.append(f"Pieces {order[-1]} and {order[0]} are the free ends: nothing joins them.")
+    sentences.append(f"Swing the chain shut one way for {names[0]}, and the other way for {names[1]}.")
+    sentences.append(
+        f"Texture sheets: those of {names[0]} go on the front; those of {names[1]} on the back, where it is seen "
+        "mirrored when the puzzle is turned over."
+    )
+    return sentences
+
+
+def sizes(design: Design) -> list[str]:
+    """The measures of the design, line by line."""
+    parameters = design.parameters
+    return [
+        f"long side {parameters.size_mm:g} mm, thickness {parameters.height:g} mm, layer {parameters.layer_mm:g} mm",
+        f"pin {parameters.pin_mm:g} mm; clearance {parameters.clearance_mm:g} mm where it turns, play "
+        f"{parameters.play_mm:g} mm where it is pushed in",
+        f"between outlines {parameters.gap_mm:g} mm, between knuckles {parameters.axial_gap:g} mm; "
+        f"laser kerf {parameters.kerf_mm:g} mm",
+        "Clearances are from makers' literature, not from our own prints: print one hinge first.",
+    ]
+
+
+def pins_in_words(design: Design) -> str:
+    """How many pins of each kind, and sleeves."""
+    words = [f"{pin.count} pins ⌀ {pin.diameter:g} × {pin.length:g} mm" for pin in design.pins]
+    if design.sleeves:
+        words.append(f"{design.sleeves} sleeve{'s' if design.sleeves > 1 else ''}")
+    return ", ".join(words) or "no pins"
+
+
+def end_in_words(end: HingeEnd) -> str:
+    """The hinge at one end of a piece."""
+    return "free" if end.kind == "open" else f"{end.kind}, {end.role}"
