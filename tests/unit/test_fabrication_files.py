@@ -171,7 +171,7 @@ class TestPrint:
     @pytest.mark.parametrize(
         ("options", "reason"),
         [
-            (["--size", "5"], "size_mm: 5.0 is out of the allowed range"),
+            (["--size", "5"], "size_mm: must be 30 to 1000 mm, got 5.0"),
             (SMALL, "enlarge size_mm (30)"),
         ],
     )
