@@ -5,19 +5,30 @@ from __future__ import annotations
 import fcntl
 import os
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
+import hypothesis
 import pytest
-from shared import Once
+from shared import Once, warm
 
-from riot.kernels.warm import uncompiled, warm_all
+from riot.kernels.warm import uncompiled
+
+# A machine under load is slow, which is no fault: what a hang is, the timeout of a test says.
+hypothesis.settings.register_profile("tests", deadline=None)
+hypothesis.settings.load_profile("tests")
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the numeric kernels where they are not, before any worker starts: that is no single test's time."""
-    worker = "PYTEST_XDIST_WORKER" in os.environ
-    if not worker and not session.config.getoption("collectonly") and uncompiled():
-        warm_all(lambda message: session.config.get_terminal_writer().line(message))
+    if "PYTEST_XDIST_WORKER" in os.environ or session.config.getoption("collectonly"):
+        return
+    missing = uncompiled()
+    if missing:
+        session.config.get_terminal_writer().line(f"compiling the numeric kernels, once: {', '.join(missing)}")
+        with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as processes:
+            list(processes.map(warm, missing))
 
 
 @pytest.fixture(scope="session")

@@ -87,7 +87,6 @@ def tried(name: str, examples: int) -> None:
 
     @settings(
         max_examples=examples,
-        deadline=None,
         derandomize=examples == READERS[name][2],  # the short form is the same every time
         database=None,
         phases=[Phase.generate, Phase.shrink],
@@ -118,7 +117,7 @@ def test_many_damaged_files_end_in_our_own_errors(name: str) -> None:
 COORDINATES = st.floats() | st.integers(-5, 5).map(float) | st.sampled_from([1e300, -1e-300, 1e15])
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=150, derandomize=True)
 @given(st.lists(st.tuples(COORDINATES, COORDINATES), max_size=12))
 def test_any_polygon_is_a_shape_or_our_own_error(corners: list[tuple[float, float]]) -> None:
     try:

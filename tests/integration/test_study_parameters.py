@@ -85,7 +85,7 @@ def test_a_true_trunk_is_found_exactly_if_no_test_loses_it(hidden: Sequence[Hidd
         assert (error * L_C <= NEAR) == (lost == "")
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(FACTORS, FACTORS)
 def test_reordered_is_the_score_by_other_sigmas(pa_factor: float, w_factor: float) -> None:
     own = ReversibilityParameters()
@@ -97,7 +97,7 @@ def test_reordered_is_the_score_by_other_sigmas(pa_factor: float, w_factor: floa
         assert score[0] == pytest.approx(reversibility(shape, other).score, rel=1e-9, abs=1e-300)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(TERMS, FACTORS)
 def test_both_sigmas_together_change_no_order(terms: list[tuple[float, float]], factor: float) -> None:
     s1, s2 = np.array(terms).T

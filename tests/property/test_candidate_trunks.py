@@ -121,7 +121,7 @@ def seen_polygons(kind: str, seed: int) -> np.ndarray:
 
 
 @given(st.sampled_from(["blob", "comb", "windmill"]), st.integers(0, 60), st.integers(0, 1000))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_the_sweep_sees_what_trying_every_edge_for_every_ray_does(kind: str, seed: int, k: int) -> None:
     points = seen_polygons(kind, seed)
     k %= len(points)
@@ -158,7 +158,7 @@ def naive_frechet(a: np.ndarray, b: np.ndarray) -> float:
 
 
 @given(SEEDS, st.integers(2, 12))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_frechet_distance_matches_its_definition(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
     a, b = rng.normal(size=(2, count, 2))
@@ -225,7 +225,7 @@ def test_too_many_trunks_of_one_size_end_the_enumeration() -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 def test_every_trunk_keeps_the_papers_conditions(seed: int) -> None:
     shape = blob(seed, waves=6)
     parameters = TrunkParameters()
@@ -264,7 +264,7 @@ def turned(shape: Shape, angle: float) -> Shape:
 
 
 @given(SEEDS, st.floats(0.0, 6.28))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_trunks_turn_with_the_shape(seed: int, angle: float) -> None:
     shape = blob(seed)
     before, after = quick_trunks(shape), quick_trunks(turned(shape, angle))
@@ -295,7 +295,7 @@ def test_symmetric_stars_do_not_lose_trunks_by_rounding(move: str) -> None:
 
 
 @given(st.floats(0.0, 6.28))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_edges_along_a_straight_side_are_inside(angle: float) -> None:
     # Both long sides are straight; the lower has a bump outwards in the middle, the upper a dent.
     points = np.array(

@@ -35,7 +35,7 @@ def convex_polygon(rng: np.random.Generator, n: int) -> FloatArray:
 
 
 @given(SEEDS, st.integers(3, 7))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_conjugate_trunks_have_equal_edges_at_least_movement(seed: int, n: int) -> None:
     rng = np.random.default_rng(seed)
     p, q = convex_polygon(rng, n), convex_polygon(rng, n)[::-1]
@@ -64,7 +64,7 @@ def test_conjugate_trunks_stay_where_they_are() -> None:
 
 
 @given(SEEDS, st.integers(3, 8))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_mesh_covers_the_polygon(seed: int, n: int) -> None:
     polygon = convex_polygon(np.random.default_rng(seed), n)
     mesh = mesh_convex(polygon, 0.03)
@@ -77,7 +77,7 @@ def test_mesh_covers_the_polygon(seed: int, n: int) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_signed_distance_matches_shapely(seed: int) -> None:
     rng = np.random.default_rng(seed)
     arcs = [np.cumsum(rng.normal(size=(6, 2)), axis=0) * 0.2 for _ in range(3)]
@@ -149,7 +149,7 @@ def given_transform(pair: object) -> Transform:
 
 
 @given(st.integers(3, 6), st.integers(0, 200))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 def test_exact_pairs_come_back_exactly(n: int, seed: int) -> None:
     made = given_transform(exact_pair(n, seed))
     assert made.certificate().passed

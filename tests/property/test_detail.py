@@ -71,7 +71,7 @@ def wave(rng: np.random.Generator, count: int) -> FloatArray:
 
 
 @given(SEEDS)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_samples_correspond_monotonically_and_hold_every_vertex(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b = wave(rng, 12), wave(rng, 17) + np.array([0.0, 0.05])
@@ -85,7 +85,7 @@ def test_samples_correspond_monotonically_and_hold_every_vertex(seed: int) -> No
 
 
 @given(SEEDS)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_two_straight_lines_average_to_a_straight_line(seed: int) -> None:
     rng = np.random.default_rng(seed)
     one, other = (
@@ -107,7 +107,7 @@ def test_a_corner_corresponds_to_a_corner() -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_a_line_corresponds_to_itself(seed: int) -> None:
     line = wave(np.random.default_rng(seed), 15)
     lengths = along(line)
@@ -115,7 +115,7 @@ def test_a_line_corresponds_to_itself(seed: int) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_the_solution_is_that_of_a_dense_least_squares(seed: int) -> None:
     # Three arcs from fixed leaves to one junction.
     rng = np.random.default_rng(seed)
@@ -162,7 +162,7 @@ def test_the_solution_is_that_of_a_dense_least_squares(seed: int) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_collisions_are_found_where_shapely_finds_them(seed: int) -> None:
     rng = np.random.default_rng(seed)
     lines = [np.cumsum(rng.normal(size=(5, 2)), axis=0) + 2.0 * rng.normal(size=2) for _ in range(2)]
@@ -173,7 +173,7 @@ def test_collisions_are_found_where_shapely_finds_them(seed: int) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_difference_is_that_of_the_regions(seed: int) -> None:
     rng = np.random.default_rng(seed)
     one, other = (

@@ -47,7 +47,7 @@ CASES = given(st.integers(0, 10_000), st.integers(3, 8), st.sampled_from([0.0, 0
 
 
 @given(st.integers(0, 10_000), st.integers(3, 8), st.sampled_from([0.2, 0.05, 0.02]))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_mesh_is_the_plain_one(seed: int, n: int, spacing: float) -> None:
     polygon = polygon_and_arcs(seed, n, 0.0)[0]
     mesh = mesh_convex(polygon, spacing)
@@ -61,7 +61,7 @@ def test_mesh_is_the_plain_one(seed: int, n: int, spacing: float) -> None:
 
 
 @CASES
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_labels_and_distances_are_those_of_all_distances(seed: int, n: int, depth: float) -> None:
     polygon, arcs, offsets = polygon_and_arcs(seed, n, depth)
     mesh = mesh_convex(polygon, 0.02)
@@ -76,7 +76,7 @@ def test_labels_and_distances_are_those_of_all_distances(seed: int, n: int, dept
 
 
 @CASES
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_tree_is_that_of_plain_containers(seed: int, n: int, depth: float) -> None:
     polygon, arcs, offsets = polygon_and_arcs(seed, n, depth)
     cells = label_cells(mesh_convex(polygon, 0.03), arcs, offsets, ANYTHING)

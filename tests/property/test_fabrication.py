@@ -189,7 +189,7 @@ def test_samples_of_the_course_agree_with_the_motion_and_are_close() -> None:
             assert np.allclose(apart, np.linalg.norm(points[:, None] - points[None], axis=2), atol=1e-9)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(
     t=st.floats(0.0, 1.0),
     which=st.integers(0, 4),
@@ -243,7 +243,7 @@ def test_parameters_out_of_range_are_named(name: str) -> None:
         assert caught.value.parameter == name
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(thickness=st.floats(6.0, 30.0), layer=st.floats(0.1, 0.4), gap=st.floats(0.2, 0.6))
 def test_knuckles_of_any_parameters_fill_the_height_in_whole_layers(thickness: float, layer: float, gap: float) -> None:
     parameters = FabricationParameters(thickness_mm=thickness, layer_mm=layer, axial_gap_mm=gap)

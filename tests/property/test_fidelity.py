@@ -39,7 +39,7 @@ def waved(points: FloatArray, height: float) -> FloatArray:
 
 
 @given(st.integers(0, 1000), st.floats(0.0, 6.0), st.integers(0, 170))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_the_same_outline_keeps_all(seed: int, angle: float, start: int) -> None:
     outline = blob_polygon(seed)
     again = np.roll(outline, start, axis=0)

@@ -24,7 +24,7 @@ pairs = st.builds(
     curved=st.booleans(),
     topology=st.sampled_from(TOPOLOGIES),
 )
-few = settings(max_examples=12, deadline=None)
+few = settings(max_examples=12)
 
 
 def assembled(pair: ExactPair, trunk: FloatArray) -> list[FloatArray]:
@@ -135,7 +135,7 @@ def test_angles_about_every_hinge_make_a_full_turn(pair: ExactPair) -> None:
 
 
 @given(st.integers(3, 5), st.integers(0, 1000), st.sampled_from(TOPOLOGIES))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 def test_straight_pieces_are_convex(n: int, seed: int, topology: Topology) -> None:
     pair = exact_pair(n, seed, curved=False, topology=topology)
     for j in range(n):

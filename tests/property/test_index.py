@@ -34,7 +34,7 @@ def plain_partners(query: TrunkStack, others: TrunkStack, count: int, least: flo
 
 
 @given(SEEDS, st.integers(1, 9), st.sampled_from([0.0, 0.3, 0.7]), st.booleans())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_best_partners_are_those_of_scoring_all(seed: int, count: int, least: float, coarse: bool) -> None:
     # Coarse trunks tie by the dozen. What a tie decides is which distance is less, not which score rounds alike.
     everything = random_stack(seed, 7, coarse, 50)
@@ -45,7 +45,7 @@ def test_best_partners_are_those_of_scoring_all(seed: int, count: int, least: fl
 
 
 @given(SEEDS, st.integers(1, 30))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_best_pairs_are_those_of_scoring_all(seed: int, count: int) -> None:
     everything = random_stack(seed, 8, False, 50)
     every = brute_force(everything, everything, same=True)

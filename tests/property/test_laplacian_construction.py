@@ -66,7 +66,7 @@ def bumps(rng: np.random.Generator, low: float = 0.15, high: float = 0.6) -> lis
 
 
 @given(SEEDS)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_what_is_known_of_vertices_matches_shapely(seed: int) -> None:
     arcs = Arcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
     count = len(arcs.owner)
@@ -80,7 +80,7 @@ def test_what_is_known_of_vertices_matches_shapely(seed: int) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 def test_after_a_change_of_one_arc_all_is_known_as_if_anew(seed: int) -> None:
     arcs = Arcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
     arcs.points[arcs.span(2)][1:-1] += 0.05 - 0.02j
@@ -91,7 +91,7 @@ def test_after_a_change_of_one_arc_all_is_known_as_if_anew(seed: int) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=4)
 def test_every_phase_lowers_what_it_is_for(seed: int) -> None:
     arcs = Arcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
     start = arcs.residual(1024)
@@ -128,7 +128,7 @@ def test_an_arc_beyond_its_own_edge_is_laid_on_it() -> None:
 
 
 @given(st.integers(3, 6), st.integers(0, 200))
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=4)
 def test_exact_pairs_come_back_as_they_are(n: int, seed: int) -> None:
     pair = exact_pair(n, seed)
     p, q = pair_shapes(pair)

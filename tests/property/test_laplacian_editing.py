@@ -38,7 +38,7 @@ def similarity(rng: np.random.Generator, scale: float = 1.0) -> tuple[FloatArray
 
 
 @given(SEEDS, st.integers(3, 80))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_handles_that_stay_leave_the_curve_as_it_is(seed: int, m: int) -> None:
     rng = np.random.default_rng(seed)
     points = curve(rng, m)
@@ -46,7 +46,7 @@ def test_handles_that_stay_leave_the_curve_as_it_is(seed: int, m: int) -> None:
 
 
 @given(SEEDS, st.integers(3, 80))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_handles_are_met_exactly(seed: int, m: int) -> None:
     rng = np.random.default_rng(seed)
     points, handles = curve(rng, m), some_handles(rng, m)
@@ -55,7 +55,7 @@ def test_handles_are_met_exactly(seed: int, m: int) -> None:
 
 
 @given(SEEDS, st.integers(3, 80))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_editing_turns_and_moves_with_the_plane(seed: int, m: int) -> None:
     rng = np.random.default_rng(seed)
     points, handles = curve(rng, m), some_handles(rng, m)
@@ -66,7 +66,7 @@ def test_editing_turns_and_moves_with_the_plane(seed: int, m: int) -> None:
 
 
 @given(SEEDS, st.integers(3, 80))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_handles_moved_by_a_similarity_take_the_whole_curve_along(seed: int, m: int) -> None:
     # What makes the editing rotation-aware: plain Laplacian coordinates would shear the curve.
     rng = np.random.default_rng(seed)
@@ -98,7 +98,7 @@ def plain_edit(points: FloatArray, handles: BoolArray, targets: FloatArray) -> F
 
 
 @given(SEEDS, st.integers(4, 30))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_editing_is_the_least_squares_of_its_definition(seed: int, m: int) -> None:
     rng = np.random.default_rng(seed)
     points, handles = curve(rng, m), some_handles(rng, m)

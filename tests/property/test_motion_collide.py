@@ -35,7 +35,7 @@ def placed(points: FloatArray, place: FloatArray) -> FloatArray:
     return points @ np.array([[c, s], [-s, c]]) + place[:2]
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(st.integers(0, 2**32 - 1))
 def test_distance_and_overlap_are_shapelys(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -59,7 +59,7 @@ def test_an_empty_body_meets_nothing() -> None:
         assert separation(*packed(bodies), 0, 1, np.zeros(3), 1.0) == np.inf
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1))
 def test_what_is_proven_free_is_free_and_ends_where_something_is_met(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -50,7 +50,7 @@ def random_stack(seed: int, shapes: int, coarse: bool, most: int = 12) -> TrunkS
 
 
 @given(SEEDS, st.booleans())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_pruned_qcrs_equals_brute_force(seed: int, coarse: bool) -> None:
     a, b = random_stack(seed, 4, coarse), random_stack(seed + 1, 3, coarse)
     fast, slow = score_block(a, b), brute_force(a, b)
@@ -59,7 +59,7 @@ def test_pruned_qcrs_equals_brute_force(seed: int, coarse: bool) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 def test_pruned_qcrs_equals_brute_force_with_many_leaves(seed: int) -> None:
     # Hundreds of trunks a shape and few sizes: many leaves, more than one tile of boxes.
     rng = np.random.default_rng(seed)
@@ -70,7 +70,7 @@ def test_pruned_qcrs_equals_brute_force_with_many_leaves(seed: int) -> None:
 
 
 @given(SEEDS, st.floats(1e-3, 1e3), st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_pruned_qcrs_equals_brute_force_for_any_sigmas(seed: int, edge: float, angle: float, area: float) -> None:
     a, b = random_stack(seed, 2, True, 60), random_stack(seed + 1, 2, False, 60)
     parameters = QcrsParameters(0.1 * edge, 0.5 * angle, 0.1 * area)
@@ -80,7 +80,7 @@ def test_pruned_qcrs_equals_brute_force_for_any_sigmas(seed: int, edge: float, a
 
 
 @given(SEEDS, st.sampled_from([0.0, 1e-6, 0.2, 0.6, 0.9, 1.0]))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_a_least_score_changes_nothing_above_it(seed: int, least: float) -> None:
     a, b = random_stack(seed, 4, bool(seed % 2), 40), random_stack(seed + 1, 4, bool(seed % 2), 40)
     everything, good = score_block(a, b), score_block(a, b, least=least)
@@ -95,7 +95,7 @@ def test_a_least_score_changes_nothing_above_it(seed: int, least: float) -> None
 
 
 @given(SEEDS)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_leaves_hold_every_trunk_and_decide_nothing(seed: int) -> None:
     rng = np.random.default_rng(seed)
     trunks = [random_trunks(rng, int(count), bool(seed % 2)) for count in rng.integers(0, 120, 3)]
@@ -115,7 +115,7 @@ def test_leaves_hold_every_trunk_and_decide_nothing(seed: int) -> None:
 
 
 @given(SEEDS, st.integers(3, 12))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_contrasts_bound_the_distance_at_every_shift(seed: int, n: int) -> None:
     rng = np.random.default_rng(seed)
     x, y = rng.uniform(-1.0, 6.0, (2, n))
@@ -161,7 +161,7 @@ def plain_qcrs(a: Trunks, t: int, b: Trunks, u: int, shift: int, p: QcrsParamete
 
 
 @given(SEEDS)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_qcrs_is_the_best_of_the_papers_formula(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b = random_trunks(rng, 5, False), random_trunks(rng, 6, False)
@@ -180,7 +180,7 @@ def test_qcrs_is_the_best_of_the_papers_formula(seed: int) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_qcrs_does_not_depend_on_the_order_of_the_pair(seed: int) -> None:
     a, b = random_stack(seed, 3, False), random_stack(seed + 7, 3, False)
     there, back = score_block(a, b), score_block(b, a)

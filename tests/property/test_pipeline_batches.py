@@ -15,7 +15,7 @@ def digests(count: int, salt: str = "") -> list[str]:
     return [hashlib.sha256(f"{salt}{number}".encode()).hexdigest() for number in range(count)]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 300), st.integers(1, 40), st.text(max_size=3))
 def test_batches_cover_everything_once_in_bounds(count: int, mean: int, salt: str) -> None:
     batches = cut(digests(count, salt), mean)
@@ -24,7 +24,7 @@ def test_batches_cover_everything_once_in_bounds(count: int, mean: int, salt: st
     assert all(len(batch) >= max(1, mean // 4) for batch in batches[:-1])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(0, 400), st.text(max_size=3))
 def test_one_more_item_leaves_most_batches(at: int, salt: str) -> None:
     before = digests(400, salt)

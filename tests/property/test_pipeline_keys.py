@@ -31,7 +31,7 @@ def parts(**changes: object) -> KeyParts:
     return KeyParts(**{**values, **changes})  # type: ignore[arg-type]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(arrays)
 def test_memory_layout_and_byte_order_do_not_count(array: np.ndarray) -> None:
     expected = digest_array(array)
@@ -42,13 +42,13 @@ def test_memory_layout_and_byte_order_do_not_count(array: np.ndarray) -> None:
     assert digest_array(padded[..., 0]) == expected
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(square)
 def test_a_transposed_square_matrix_is_another_one(array: np.ndarray) -> None:
     assert (digest_array(array) == digest_array(array.T)) == np.array_equal(array, array.T)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(npst.arrays(np.float64, st.integers(2, 12), elements=st.floats(-9, 9)), st.data())
 def test_a_slice_is_its_values_and_not_its_buffer(array: np.ndarray, data: st.DataObject) -> None:
     cut = data.draw(st.integers(1, len(array) - 1))
@@ -56,7 +56,7 @@ def test_a_slice_is_its_values_and_not_its_buffer(array: np.ndarray, data: st.Da
     assert digest_array(array[cut:]) != digest_array(array)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(npst.arrays(np.float64, st.integers(1, 8), elements=st.floats(-9, 9)), st.data())
 def test_a_changed_value_changes_the_digest(array: np.ndarray, data: st.DataObject) -> None:
     at = data.draw(st.integers(0, len(array) - 1))
@@ -65,14 +65,14 @@ def test_a_changed_value_changes_the_digest(array: np.ndarray, data: st.DataObje
     assert digest_array(changed) != digest_array(array)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(npst.arrays(np.float64, st.tuples(st.integers(3, 8), st.just(2)), elements=st.floats(-9, 9)), st.integers(1, 7))
 def test_another_start_vertex_is_another_outline(points: np.ndarray, by: int) -> None:
     turned = np.roll(points, by, axis=0)
     assert (digest_array(turned) == digest_array(points)) == np.array_equal(turned, points)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(arrays, arrays)
 def test_equal_digests_mean_equal_arrays(a: np.ndarray, b: np.ndarray) -> None:
     same = a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f" and b.dtype.kind == "f")

@@ -39,7 +39,7 @@ def store(tmp_path: Path) -> Store:
     return Store(tmp_path / "store")
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(artifacts)
 def test_payloads_come_back_exactly(artifact: Artifact) -> None:
     payload = encode(artifact)
@@ -53,7 +53,7 @@ def test_payloads_come_back_exactly(artifact: Artifact) -> None:
     assert encode(backwards) == payload
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(artifacts, st.data())
 def test_a_cut_payload_is_refused_or_whole_in_what_it_holds(artifact: Artifact, data: st.DataObject) -> None:
     payload = encode(artifact)

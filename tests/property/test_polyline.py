@@ -27,7 +27,7 @@ def star_shaped(seed: int, m: int = 60) -> FloatArray:
 SEEDS = st.integers(0, 10_000)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.integers(0, 59), st.floats(0.0, 6.28), st.floats(0.1, 50.0), st.floats(0.01, 0.5))
 def test_simplify_is_canonical(seed: int, turn: int, angle: float, scale: float, tolerance: float) -> None:
     points = star_shaped(seed)
@@ -38,7 +38,7 @@ def test_simplify_is_canonical(seed: int, turn: int, angle: float, scale: float,
     assert set((again - turn) % len(points)) == set(kept)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.floats(0.0, 0.5))
 def test_simplify_drops_only_what_is_near(seed: int, tolerance: float) -> None:
     points = star_shaped(seed)
@@ -52,7 +52,7 @@ def test_simplify_drops_only_what_is_near(seed: int, tolerance: float) -> None:
         assert (distance <= tolerance + 1e-12).all()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(SEEDS, st.floats(-100.0, 100.0))
 def test_measures(seed: int, shift: float) -> None:
     points = star_shaped(seed) + shift
@@ -63,7 +63,7 @@ def test_measures(seed: int, shift: float) -> None:
     assert polyline.interior_angles(points).sum() == pytest.approx((len(points) - 2) * np.pi)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(SEEDS, st.floats(0.02, 1.0))
 def test_midpoints_are_closer_than_the_spacing(seed: int, spacing: float) -> None:
     points = star_shaped(seed)
@@ -81,7 +81,7 @@ def plainly_farthest(points: FloatArray, origin: FloatArray) -> int:
     return int(tied[np.lexsort((points[tied, 1], points[tied, 0]))[0]])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SEEDS, st.floats(0.0, 0.6), st.booleans())
 def test_simplify_is_douglas_peucker_on_both_halves(seed: int, tolerance: float, regular: bool) -> None:
     around = np.arange(36) * (np.pi / 18.0)
@@ -108,7 +108,7 @@ def test_simplify_takes_read_only_and_reversed_polygons() -> None:
     assert polyline.simplify(np.zeros((4, 2)), 0.1).tolist() == [0]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.floats(0.01, 1.0))
 def test_midpoints_halve_stretches(seed: int, spacing: float) -> None:
     starts = np.sort(np.random.default_rng(seed).uniform(0.0, 5.0, 7))
@@ -140,7 +140,7 @@ def test_open_polyline_keeps_ends_and_spikes() -> None:
 
 
 @given(st.floats(0.0, 6.28), st.booleans())
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_sides_parallel_to_chords_keep_their_corners(angle: float, mirror: bool) -> None:
     # Every point of the flat top is equally far from the chord below it: rounding must not choose among them.
     corners = np.array([[0, 0], [20, 0], [17, 4], [12, 4], [11, 5], [6, 5], [4, 2]], dtype=float)

@@ -63,7 +63,7 @@ def test_a_disc_is_almost_one() -> None:
 
 
 @given(st.floats(0.05, 20))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_a_rectangle_has_the_closed_form(ratio: float) -> None:
     width = math.sqrt(ratio)
     shape = shape_of(np.array([[0, 0], [width, 0], [width, 1 / width], [0, 1 / width]]))
@@ -75,7 +75,7 @@ def test_a_rectangle_has_the_closed_form(ratio: float) -> None:
 
 
 @given(st.floats(0.05, 0.35), st.floats(0.1, 0.3))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_a_dumbbell_has_its_waist_at_the_bar(neck: float, bar: float) -> None:
     found = reversibility(shape_of(dumbbell(neck, bar)))
     # Straight across the bar at its end the shorter side is the outline of one square. A step s along the bar
@@ -106,7 +106,7 @@ def test_a_low_bump_is_not_cut_off() -> None:
 
 
 @given(st.integers(0, 10_000), st.floats(0, 2 * math.pi), st.integers(1, 150), st.booleans())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_invariance(seed: int, angle: float, start: int, mirror: bool) -> None:
     shape = shape_of(radial(seed))
     cos, sin = math.cos(angle), math.sin(angle)
@@ -124,7 +124,7 @@ def test_invariance(seed: int, angle: float, start: int, mirror: bool) -> None:
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 def test_necks_are_what_they_are_said_to_be(seed: int) -> None:
     shape = shape_of(radial(seed))
     found = reversibility(shape)
@@ -155,7 +155,7 @@ def test_necks_are_what_they_are_said_to_be(seed: int) -> None:
 
 
 @given(st.integers(0, 10_000), st.integers(0, 39), st.integers(0, 39))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_inscribed_agrees_with_shapely(seed: int, first: int, second: int) -> None:
     points = radial(seed)
     covered = shapely.Polygon(points).buffer(1e-9).covers(shapely.LineString(points[[first, second]]))
@@ -199,7 +199,7 @@ def test_contains_counts_the_boundary() -> None:
 
 
 @given(st.integers(0, 10_000), st.floats(-1.2, 1.2), st.floats(-1.2, 1.2), st.sampled_from([0.0, 1e-9, 0.01, 0.2]))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_contains_agrees_with_shapely(seed: int, x: float, y: float, tolerance: float) -> None:
     points = radial(seed)
     region, point = shapely.Polygon(points), shapely.Point(x, y)

@@ -48,7 +48,7 @@ def check_invariants(shape: Shape) -> None:
     assert shape.points.shape == (len(shape.feature), 2)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.floats(0.0, 6.28), st.floats(1e-3, 1e3), st.floats(-100.0, 100.0), st.integers(0, 149), st.booleans())
 def test_polygon_shape_is_canonical(
     seed: int, angle: float, scale: float, shift: float, turn: int, reverse: bool
@@ -68,7 +68,7 @@ def test_polygon_shape_is_canonical(
     )
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(SEEDS)
 def test_sampling_is_faithful(seed: int) -> None:
     polygon = blob(seed)
@@ -82,7 +82,7 @@ def test_sampling_is_faithful(seed: int) -> None:
     assert iou(everything.source(everything.points), polygon) == pytest.approx(1.0, abs=1e-12)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(SEEDS, st.integers(0, 3), st.tuples(*[st.integers(0, 30)] * 4))
 def test_picture_padding_polarity_and_quarter_turns(seed: int, turns: int, pads: tuple[int, int, int, int]) -> None:
     picture = drawn(blob(seed))
@@ -99,7 +99,7 @@ def test_picture_padding_polarity_and_quarter_turns(seed: int, turns: int, pads:
     assert iou(turned.points, shape.points @ np.array([[c, s], [-s, c]])) > 0.995
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(SEEDS, st.integers(2, 6))
 def test_picture_scale(seed: int, factor: int) -> None:
     picture = drawn(blob(seed), 160)
@@ -109,7 +109,7 @@ def test_picture_scale(seed: int, factor: int) -> None:
     assert iou(enlarged.points, shape.points) > 0.985
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(SEEDS)
 def test_picture_agrees_with_the_outline_it_was_drawn_from(seed: int) -> None:
     polygon = blob(seed)
@@ -122,7 +122,7 @@ def test_picture_agrees_with_the_outline_it_was_drawn_from(seed: int) -> None:
     assert iou(shape.points, mirrored.points) > 0.975
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(SEEDS)
 def test_a_shape_made_again_of_a_shape_is_nearly_the_same(seed: int) -> None:
     shape = polygon_shape(blob(seed))

@@ -53,7 +53,7 @@ def disc_area(radius: float) -> float:
     return 0.5 * SIDES * math.sin(2.0 * math.pi / SIDES) * radius**2
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(SPAN, SPAN, SPAN, COUNT, THICKNESS, st.sampled_from(AXES))
 def test_slices_of_a_box_are_its_face(a: float, b: float, c: float, count: int, thickness: float, along: Axis) -> None:
     stack = cut(box(a, b, c), Cut(count, thickness, along=along))
@@ -64,7 +64,7 @@ def test_slices_of_a_box_are_its_face(a: float, b: float, c: float, count: int, 
     assert [each.filled + each.lost for each in stack.slices] == pytest.approx([0.0] * count, abs=1e-6)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(COUNT, THICKNESS, st.floats(10.0, 40.0), st.floats(0.0, 1.0))
 def test_slices_of_a_cone_and_a_cylinder_are_discs(count: int, thickness: float, radius: float, top: float) -> None:
     solid = manifold3d.Manifold.cylinder(50.0, radius, top * radius, SIDES)
@@ -116,7 +116,7 @@ def test_of_two_parts_the_larger_is_kept_and_the_other_told() -> None:
     assert middle.lost == pytest.approx(middle.area, rel=1e-6)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.floats(0.1, 50.0))
 def test_the_file_s_scale_does_not_matter(factor: float) -> None:
     how = Cut(4, 12.0)
@@ -128,7 +128,7 @@ def test_the_file_s_scale_does_not_matter(factor: float) -> None:
         assert shapely.symmetric_difference(one.outline, two.outline).area < 1e-6 * one.area
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.floats(0.0, 360.0))
 def test_a_turn_about_the_axis_turns_the_slices(angle: float) -> None:
     plain = cut(blob(), Cut(4, 12.0, along="z"))
@@ -170,7 +170,7 @@ def test_slices_fill_the_object_s_box_and_stand_up_as_in_the_file(along: Axis) -
         assert section(stack.solid, 0.5 * (each.low + each.high)).area == pytest.approx(each.section.area)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(1, 20), st.integers(30, 150))
 def test_two_of_count_thickness_and_size_tell_the_third(count: int, layers: int) -> None:
     thickness = round(0.2 * layers, 9)
@@ -219,7 +219,7 @@ COSTS = arrays(np.float64, st.tuples(st.integers(1, 4), st.integers(1, 4)), elem
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(COSTS)
 def test_the_assignment_is_that_of_trying_all(costs: FloatArray) -> None:
     rows, columns = costs.shape
@@ -243,7 +243,7 @@ def test_the_assignment_is_that_of_trying_all(costs: FloatArray) -> None:
         assert column == (int(costs[row].argmin()) if np.isfinite(costs[row]).any() else -1)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 10_000))
 def test_the_nearest_triangle_is_seen(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -262,7 +262,7 @@ def test_the_nearest_triangle_is_seen(seed: int) -> None:
     assert (nearest_triangle == expected).all()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.floats(-3.0, 3.0), st.floats(0.2, 1.4), arrays(np.float64, (5, 2), elements=st.floats(-50.0, 50.0)))
 def test_the_eye_finds_a_plane_point_again(azimuth: float, elevation: float, points: FloatArray) -> None:
     eye = Eye(azimuth, elevation)

@@ -23,7 +23,7 @@ def degrees(tree: PlanarTree) -> list[int]:
 
 
 @given(st.integers(0, 1000), st.integers(3, 9), st.booleans())
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_inner_nodes_branch_and_leaves_do_not(seed: int, leaves: int, binary: bool) -> None:
     tree = draw(seed, leaves, binary)
     found = degrees(tree)
@@ -35,7 +35,7 @@ def test_inner_nodes_branch_and_leaves_do_not(seed: int, leaves: int, binary: bo
 
 
 @given(st.integers(0, 1000), st.integers(3, 9), st.booleans())
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_every_arc_is_walked_once_on_each_side(seed: int, leaves: int, binary: bool) -> None:
     tree = draw(seed, leaves, binary)
     steps = Counter(step for leaf in range(leaves) for step in path(tree, leaf))
@@ -61,7 +61,7 @@ def test_all_shapes_of_trees_are_drawn() -> None:
 
 
 @given(st.integers(0, 1000), st.integers(3, 9), st.booleans())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_embedded_regions_are_convex_and_tile_the_polygon(seed: int, leaves: int, binary: bool) -> None:
     rng = np.random.default_rng(seed)
     tree = random_tree(rng, leaves, binary=binary)

@@ -105,7 +105,7 @@ class FilesKit:
     examples = 25
 
     def test_what_is_written_comes_back(self, files: Files) -> None:
-        @settings(max_examples=self.examples, deadline=None, suppress_health_check=list(HealthCheck))
+        @settings(max_examples=self.examples, suppress_health_check=list(HealthCheck))
         @given(folders, st.dictionaries(names, contents, min_size=1))
         def check(folder: str, written: dict[str, bytes]) -> None:
             files.remove(folder)
@@ -172,7 +172,6 @@ class FilesKit:
             settings=settings(
                 max_examples=self.examples,
                 stateful_step_count=12,
-                deadline=None,
                 suppress_health_check=list(HealthCheck),
             ),
         )

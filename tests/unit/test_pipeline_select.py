@@ -60,7 +60,7 @@ matrices = st.lists(st.integers(0, 6), min_size=COUNT * COUNT, max_size=COUNT * 
 classes_of = st.lists(st.sampled_from(["", "bat", "cup", "dog"]), min_size=COUNT, max_size=COUNT)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(matrices, classes_of, st.integers(1, 20), st.integers(1, 4), st.integers(1, 4), st.integers(1, 5))
 def test_global_is_its_definition(
     scores: np.ndarray, classes: list[str], top: int, per_class_pair: int, per_shape: int, size: int
