@@ -105,12 +105,14 @@ def test_a_job_that_breaks_off_is_in_the_exit_code(sweep: Callable[..., tuple[in
     assert sweep("1,2", _1=LookupError("a mistake")) == (FAILED, [1, 2])
 
 
+@pytest.mark.system
 def test_an_interrupt_ends_the_whole_sweep(sweep: Callable[..., tuple[int, list[int]]], tmp_path: Path) -> None:
     assert sweep("1,2,3", _2=KeyboardInterrupt()) == (INTERRUPTED, [1, 2])
     assert not (tmp_path / "outputs" / "sweep=batch").exists()
     assert sweep("1,2,3") == (CLEAN, [1, 2, 3])
 
 
+@pytest.mark.system
 def test_logs_of_two_sweeps_at_once_stay_apart(sweep: Callable[..., tuple[int, list[int]]], tmp_path: Path) -> None:
     for _ in range(3):
         sweep("1,2")

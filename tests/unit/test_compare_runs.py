@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
-import subprocess
-import sys
+import runpy
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / "benchmarks" / "compare_runs.py"
+MAIN = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "compare_runs.py"))["main"]
 
 
 def write_run(folder: Path) -> None:
@@ -40,8 +41,9 @@ def change(path: Path, columns: dict[str, Any]) -> None:
 
 
 def compare(first: Path, second: Path, *options: str) -> tuple[int, str]:
-    done = subprocess.run([sys.executable, SCRIPT, first, second, *options], capture_output=True, text=True)
-    return done.returncode, done.stdout + done.stderr
+    with contextlib.redirect_stdout(io.StringIO()) as output, contextlib.redirect_stderr(output):
+        code = MAIN([str(first), str(second), *options])
+    return code, output.getvalue()
 
 
 @pytest.fixture
