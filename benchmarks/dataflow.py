@@ -23,9 +23,10 @@ from table import Row, row
 from pipeline.config.schema import ClusterConfig, Config
 from pipeline.datasets.collection import Collection, DatasetConfig
 from pipeline.datasets.item import Item
-from pipeline.plan.plan import Plan, make_plan
+from pipeline.plan.progress import Progress, begin
 from pipeline.runtime.cluster import Executor, Here, open_cluster
 from pipeline.runtime.execute import Run
+from pipeline.stages.all import BY_NAME, recipes
 from pipeline.stages.trunk_arrays import unpack_trunks
 from pipeline.store.store import Store
 from riot.scores.qcrs import BlockScores, TrunkStack, score_block, stack
@@ -56,24 +57,30 @@ def dataflow_steps(paths: Sequence[Path], size: Size) -> list[Row]:
         names = [f"{k:06d}" for k in range(len(paths))]
         digests = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
         items = [Item(name, "", str(path), digest) for name, path, digest in zip(names, paths, digests, strict=True)]
-        plan = make_plan(config, Collection("benchmark", tuple(items)))
-        before = Run(Store(config.store), lambda event: None, Here)
-        before.stage("ingest", plan.ingest)
-        before.stage("trunks", plan.trunks)
-        jobs = list(plan.qcrs)
-        stacks = _load(plan, Store(config.store))
+        store = Store(config.store)
+        run = Run(store, lambda event: None, Here)
+        plan = begin(
+            config, Collection("benchmark", tuple(items)), recipes(config), lambda item: store.get(*item.reference)
+        )
+        for name in ("ingest", "trunks"):
+            work = BY_NAME[name].items(plan)
+            run.stage(BY_NAME[name], work)
+            plan = plan.with_work(name, work, frozenset(run.done))
+        plan = plan.with_work("qcrs", BY_NAME["qcrs"].items(plan), plan.done)
+        jobs = [item.block for item in plan.work["qcrs"] if item.block is not None]
+        stacks = _load(plan, store)
         return [_row(plan, config.store, stacks, jobs, workers, size) for workers in size.workers]
 
 
-def _load(plan: Plan, store: Store) -> list[TrunkStack]:
+def _load(plan: Progress, store: Store) -> list[TrunkStack]:
     loaded = []
-    for item in plan.trunks:
+    for item in plan.work["trunks"]:
         batch = store.get(*item.reference)
         loaded.append(stack([unpack_trunks(batch, k) for k in range(len(item.members))]))
     return loaded
 
 
-def _row(plan: Plan, root: Path, stacks: list[TrunkStack], jobs: list[Job], workers: int, size: Size) -> Row:
+def _row(plan: Progress, root: Path, stacks: list[TrunkStack], jobs: list[Job], workers: int, size: Size) -> Row:
     if workers == 1:
         where = ""
         staged = [_stage(plan, root, Here(), time.process_time) for _ in range(size.repeats)]
@@ -102,12 +109,12 @@ def _row(plan: Plan, root: Path, stacks: list[TrunkStack], jobs: list[Job], work
     )
 
 
-def _stage(plan: Plan, root: Path, executor: Executor, clock: Callable[[], float]) -> tuple[float, float]:
+def _stage(plan: Progress, root: Path, executor: Executor, clock: Callable[[], float]) -> tuple[float, float]:
     """Seconds of the stage with nothing of it in the store, and CPU seconds of its work items."""
     shutil.rmtree(root / "qcrs", ignore_errors=True)
-    run = Run(Store(root), lambda event: None, lambda: executor, done={item.reference for item in plan.trunks})
+    run = Run(Store(root), lambda event: None, lambda: executor, done={item.reference for item in plan.work["trunks"]})
     start = clock()
-    run.stage("qcrs", list(plan.qcrs.values()))
+    run.stage(BY_NAME["qcrs"], plan.work["qcrs"])
     seconds = clock() - start
     if run.failed:
         raise RuntimeError(f"the stage failed: {next(iter(run.failed.values()))}")
@@ -146,6 +153,7 @@ def _one(task: tuple[int, Job]) -> int:
     return len(score_block(_kept.stacks[a], _kept.stacks[b], None, a == b).score)
 
 
-def _stored_equal(plan: Plan, root: Path, job: Job, found: BlockScores) -> bool:
-    stored = Store(root).get(*plan.qcrs[job].reference).arrays
+def _stored_equal(plan: Progress, root: Path, job: Job, found: BlockScores) -> bool:
+    (item,) = (item for item in plan.work["qcrs"] if item.block == job)
+    stored = Store(root).get(*item.reference).arrays
     return all(np.array_equal(array, getattr(found, name)) for name, array in stored.items())

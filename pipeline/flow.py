@@ -4,47 +4,32 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
+from pipeline import report, study, tables  # modules of theirs are loaded when something is written
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import Collection, collect
 from pipeline.errors import StartError, StopError, StorageError
 from pipeline.exit_codes import CLEAN, WITH_ERRORS
-from pipeline.plan.plan import (
-    Pair,
-    Plan,
-    WorkItem,
-    make_plan,
-    plan_construct,
-    plan_crs,
-    plan_fabrications,
-    plan_full_trunks,
-    plan_motions,
-    plan_paint,
-    plan_pairs,
-    plan_paper,
-    plan_refine,
-    plan_search,
-    plan_select,
-    plan_shortlist,
-)
+from pipeline.plan.progress import Progress, begin
+from pipeline.plan.work_item import WorkItem
 from pipeline.report.assets import assets_digest
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.execute import Run, open_run
-from pipeline.runtime.quarantine import bring_scores, bring_shapes
+from pipeline.runtime.quarantine import bring_blocks, bring_shapes
+from pipeline.stages.all import STAGES, recipes
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.location import Location
+from pipeline.store.reader import ArtifactReader
 from pipeline.store.storage_errors import writing_to
-from pipeline.tables.outputs import swept
+from pipeline.tables.outputs import run_folder, swept
 from pipeline.tables.record import GALLERY, RECORD, REPORT, holds, outcome_digest, write_record
-from pipeline.tables.results import Results, certified, least_deformed
-from riot.types import FloatArray
+from pipeline.tables.results import Results
+from riot import kernels
 
 
 @dataclass(frozen=True)
@@ -57,11 +42,6 @@ class Outcome:
     written: bool
     seconds: float
     results: Results
-
-
-def run_folder(config: Config) -> Path:
-    """Where the tables of a run go."""
-    return config.outputs / config.dataset.name
 
 
 def check_writable(place: Location, parameter: str) -> None:
@@ -114,142 +94,66 @@ def _unwritable(store: Location) -> StartError | None:
 def _run(config: Config, collection: Collection, listen: Listener, unwritable: StartError | None) -> Outcome:
     started, clock = datetime.now(UTC), time.perf_counter()
     folder = run_folder(config)
-    plan = make_plan(config, collection)
     with open_run(config.store, config.cluster, partial(_compile, listen), listen, unwritable) as run:
-        results = _stages(plan, collection, run)
+        read = ArtifactReader(run.store.get)
+        start = begin(config, collection, recipes(config), lambda item: read(*item.reference))
+        progress = run_stages(start, run)
+    results = Results(progress, run.store, dict(run.failed), len(run.blocked), tuple(run.stages))
     digest = outcome_digest(results, assets_digest())
     code = WITH_ERRORS if results.errors or results.blocked else CLEAN
     nothing_new = all(stage.computed == 0 and stage.failed == 0 for stage in results.stages)
     if nothing_new and holds(folder, digest):
         return Outcome(code, folder, folder / REPORT, False, time.perf_counter() - clock, results)
 
-    from pipeline.tables.write import write_tables  # here: a run that finds everything as it was writes nothing
-
     listen(Note("writing tables …"))
     with writing_to(folder):
         (folder / RECORD).unlink(missing_ok=True)  # until it is back, the folder holds no finished run
-        files = write_tables(results, folder)
+        files = tables.write.write_tables(results, folder)
         times = {
             "started": started.isoformat(timespec="seconds"),
             "seconds": time.perf_counter() - clock,
             "workers": config.cluster.kind,
         }
         write_record(folder, results, digest, files, code, times)
-        report = _report(folder, listen)
-        if report is None:
+        page = _report(folder, listen)
+        if page is None:
             code = WITH_ERRORS
         else:
             gallery = sorted(path for path in (folder / GALLERY).rglob("*") if path.is_file())
-            files = [*files, report, *gallery]
+            files = [*files, page, *gallery]
         times["seconds"] = time.perf_counter() - clock
         write_record(folder, results, digest, files, code, times)
-    return Outcome(code, folder, report, True, time.perf_counter() - clock, results)
+    return Outcome(code, folder, page, True, time.perf_counter() - clock, results)
 
 
-def _stages(plan: Plan, collection: Collection, run: Run) -> Results:
-    plan, collection = bring_shapes(plan, collection, run)
-    scored: dict[str, Sequence[WorkItem]] = {}
-    if plan.pairs is None:
-        plan, lost = bring_scores(plan, run)
-        scored["qcrs"] = (*plan.qcrs.values(), *lost)
-    else:
-        plan = plan_search(plan, run.done)  # without the batches whose trunks failed
-        scored["shards"] = plan.shards
-        run.stage("shards", plan.shards)
-        plan, lost = bring_scores(plan, run)
-        scored["partners"] = (*plan.qcrs.values(), *lost)
-        plan = plan_pairs(plan, run.done)
-        assert plan.pairs is not None
-        scored["pairs"] = (plan.pairs,)
-        run.stage("pairs", [plan.pairs], here=True)
-    select = plan_select(plan, run.done)
-    run.stage("select", [select], here=True)
-    pairs, scores = read_pairs(run, select)
-    full = plan_full_trunks(plan, pairs)
-    run.stage("trunks_full", list(full.values()))
-    crs = plan_crs(plan, pairs, full)
-    run.stage("crs", crs)
-    refine = plan_refine(plan, crs)
-    run.stage("refine", refine)
-    refined = [item for item in refine if item.reference in run.done]
-    shortlist = plan_shortlist(plan, refined)
-    run.stage("shortlist", [shortlist], here=True)
-    construct = plan_construct(plan, read_shortlist(run, shortlist, refined))
-    run.stage("construct", construct)
-    passed = certified(run.store, [item for item in construct if item.reference in run.done])
-    beside: dict[str, Sequence[WorkItem]] = {}
-    after: dict[str, Sequence[WorkItem]] = {}
-    if plan.config.compare:
-        beside["paper"] = plan_paper(plan, least_deformed(run.store, passed, plan.config.compare))
-        run.stage("paper", beside["paper"])
-    motion = plan_motions(plan, passed)
-    run.stage("motion", motion)
-    if paint := plan_paint(plan, motion):
-        after["paint"] = paint
-        run.stage("paint", paint)
-    if plan.config.fabricate.top:
-        best = least_deformed(run.store, passed, plan.config.fabricate.top)
-        after["fabricate"] = plan_fabrications(plan, plan_motions(plan, best))
-        run.stage("fabricate", after["fabricate"])
-    return Results(
-        plan=plan,
-        collection=collection,
-        store=run.store,
-        done=frozenset(run.done),
-        failed=dict(run.failed),
-        blocked=len(run.blocked),
-        pairs=tuple(pairs),
-        qcrs=scores,
-        work={
-            "ingest": plan.ingest,
-            "reversibility": plan.reversibility,
-            "trunks": plan.trunks,
-            **scored,
-            "select": (select,),
-            "trunks_full": tuple(full.values()),
-            "crs": crs,
-            "refine": refine,
-            "shortlist": (shortlist,),
-            "construct": construct,
-            **beside,
-            "motion": motion,
-            **after,
-        },
-        stages=tuple(run.stages),
-    )
-
-
-def read_pairs(run: Run, select: WorkItem) -> tuple[Sequence[Pair], FloatArray]:
-    """The pairs that a finished selection chose, best first, with their scores; none if it failed."""
-    if select.reference not in run.done:
-        return (), np.empty(0)
-    chosen = run.store.get(*select.reference)
-    return [(int(i), int(j)) for i, j in chosen.arrays["pairs"]], np.array(chosen.arrays["score"])
-
-
-def read_shortlist(run: Run, shortlist: WorkItem, refined: Sequence[WorkItem]) -> list[WorkItem]:
-    """The pairs that a finished shortlist names, the most promising first; none if it failed."""
-    if shortlist.reference not in run.done:
-        return []
-    return [refined[place] for place in run.store.get(*shortlist.reference).arrays["places"]]
+def run_stages(progress: Progress, run: Run) -> Progress:
+    """Bring the work of every stage that the configuration asks for into the store, in order."""
+    progress = bring_shapes(progress, run)
+    for stage in STAGES:
+        if stage.name in progress.work or not stage.wanted(progress.config):
+            continue
+        lost: Sequence[WorkItem] = ()
+        if stage.sub_blocks is not None:
+            items, lost = bring_blocks(progress, stage, run)
+        else:
+            items = list(stage.items(progress))
+            if not items and stage.optional and stage.scope == "pair":
+                continue  # no colour picture, nothing to make: not worth a line
+            run.stage(stage, items)
+        progress = progress.with_work(stage.name, items, frozenset(run.done), lost)
+    return progress
 
 
 def _compile(listen: Listener) -> None:
-    from riot.kernels.warm import warm_all
-
-    warm_all(lambda text: listen(Note(text)))
+    kernels.warm.warm_all(lambda text: listen(Note(text)))
 
 
 def _report(folder: Path, listen: Listener) -> Path | None:
-    from pipeline.report import write_report
-    from pipeline.study.contents import write_contents
-
     listen(Note("writing the report …"))
-    write: Callable[[Path], Path] = write_report
     try:
         with writing_to(folder):
-            write_contents(folder)
-            return write(folder)
+            study.contents.write_contents(folder)
+            return report.write.write_report(folder)
     except StorageError:
         raise
     except Exception as error:  # the tables are whole: a run must not be lost by its picture book

@@ -18,7 +18,8 @@ from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig
 from rich.console import Console
 
-import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
+import pipeline.runtime.threads
+from pipeline import cli, explain, tables  # their modules are loaded at first use: a start should be quick
 from pipeline.config.command_line import (
     CONF,
     HYDRA_BASE,
@@ -34,9 +35,8 @@ from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetError
 from pipeline.errors import ConfigError, StartError
 from pipeline.exit_codes import BAD_START, CLEAN, FAILED, INTERRUPTED
+from pipeline.store.store import Store
 from riot.errors import RiotError
-
-# What only some commands need (the stages, tables, reports) is imported where it is used: a start should be quick.
 
 PIPED_WIDTH = 140
 
@@ -61,9 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if (config.plan or config.explain) and not is_multirun(given):
                 return _show(config, console)
             if not (config.plan or config.explain):
-                from pipeline.flow import check_writable
-
-                check_writable(config.outputs, "outputs")  # Hydra writes its log there
+                pipeline.flow.check_writable(config.outputs, "outputs")  # Hydra writes its log there
         ended = _with_hydra(given, console, complaints)
         if config is not None and is_multirun(given) and not (config.plan or config.explain):
             _tell_sweep(given, config.outputs, ended, console)
@@ -119,41 +117,36 @@ def _job(composed: DictConfig, point: str, console: Console, complaints: Console
 def _run(config: Config, console: Console, complaints: Console) -> _Ended:
     if config.plan or config.explain:
         return _Ended(_show(config, console))
-    from pipeline.cli.progress import show_progress
-    from pipeline.cli.summary import show_outcome
-    from pipeline.flow import run_pipeline
-
     try:
-        with show_progress(console) as listen:
-            outcome = run_pipeline(config, listen)
+        with cli.progress.show_progress(console) as listen:
+            outcome = pipeline.flow.run_pipeline(config, listen)
     except RiotError as error:
         return _refused(error, complaints)
-    show_outcome(outcome, console)
+    cli.summary.show_outcome(outcome, console)
     return _Ended(outcome.code, outcome.folder)
 
 
 def _tell_sweep(
     arguments: Sequence[str], outputs: Path, ended: Sequence[tuple[Sequence[str], _Ended]], console: Console
 ) -> None:
-    from pipeline.tables.sweep import Job, write_sweep
-
-    jobs = [Job(sweep_values(arguments, chosen), of.code, of.folder, of.message) for chosen, of in ended if chosen]
+    jobs = [
+        tables.sweep.Job(sweep_values(arguments, chosen), job.code, job.folder, job.message)
+        for chosen, job in ended
+        if chosen
+    ]
     if not (jobs and jobs[0].values):
         return
-    folder = write_sweep(outputs, jobs)
+    folder = tables.sweep.write_sweep(outputs, jobs)
     console.print(f"Sweep of {len(jobs)} jobs: {folder}", highlight=False, soft_wrap=True, markup=False)
 
 
 def _show(config: Config, console: Console) -> int:
-    from pipeline.plan.explain import forecast, show_explanation, show_plan
-    from pipeline.store.store import Store
-
     store = Store(config.store)
-    found = forecast(config, store)
+    expected = explain.forecast.forecast(config, store)
     if config.explain:
-        show_explanation(found, store, console)
+        explain.show.show_explanation(expected, store, console)
     else:
-        show_plan(found, config, console)
+        explain.show.show_plan(expected, config, console)
     return CLEAN
 
 

@@ -11,25 +11,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from integration.small_runs import draw, pictures
+from plans import planned
 
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetConfig, collect
+from pipeline.explain.forecast import Forecast, forecast
 from pipeline.plan import code_digest
 from pipeline.plan.code_digest import Project as Code
-from pipeline.plan.explain import StageForecast, forecast
 from pipeline.plan.module_facts import FactsCache
-from pipeline.plan.plan import (
-    WorkItem,
-    make_plan,
-    plan_construct,
-    plan_crs,
-    plan_full_trunks,
-    plan_motions,
-    plan_refine,
-    plan_select,
-    plan_shortlist,
-)
 from pipeline.plan.sources import AT_START, PACKAGES, Source
+from pipeline.plan.work_item import WorkItem
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
 from pipeline.tables import schemas as tables
@@ -110,23 +101,14 @@ class Project:
         """With another configuration."""
         return replace(self, config=change(self.config))
 
-    def look(self) -> list[StageForecast]:
+    def look(self) -> Forecast:
         """What a run would do."""
         return forecast(self.config, self.store)
 
     def plan(self) -> list[WorkItem]:
         """Every work item of a run, if those pairs were selected and all went well."""
-        plan = make_plan(self.config, collect(self.config.dataset))
-        static = [*plan.ingest, *plan.reversibility, *plan.trunks, *plan.shards, *plan.qcrs.values()]
-        if plan.pairs is not None:
-            static.append(plan.pairs)
-        full = plan_full_trunks(plan, PAIRS)
-        crs = plan_crs(plan, PAIRS, full)
-        refine = plan_refine(plan, crs)
-        made = plan_construct(plan, refine)
-        select = plan_select(plan, {item.reference for item in static})
-        later = [*full.values(), *crs, *refine, plan_shortlist(plan, refine), *made, *plan_motions(plan, made)]
-        return [*static, select, *later]
+        progress = planned(self.config, "motion", read=made_up)
+        return [item for items in progress.work.values() for item in items]
 
     def missing(self) -> list[WorkItem]:
         """What of it is not in the store."""
@@ -149,7 +131,7 @@ class Project:
         (self.folder / ARTIFACTS).write_text(json.dumps(keys))
         found = collect(self.config.dataset).items
         rows = [{"shape": number, "name": item.name, "digest": item.digest} for number, item in enumerate(found)]
-        write_table(self.folder, "shapes", [from_rows(tables.SHAPES, rows)])
+        write_table(self.folder, "shapes", [from_rows(tables.SCHEMAS["shapes"], rows)])
         write_table(self.folder, "errors", [from_rows(tables.ERRORS, [])])
 
 
@@ -166,7 +148,8 @@ def made_up(item: WorkItem) -> Artifact:
     """An artifact of its own for each item, with what the plan of later stages reads of it."""
     document = {"of": [item.stage, *item.members], "status": "certified", "iou_p": 0.9, "iou_q": 0.9}
     pairs = np.array(PAIRS if item.stage == "select" else np.empty((0, 2)), dtype=np.int64)
-    return Artifact({"pairs": pairs, "places": np.arange(TOP if item.stage == "shortlist" else 0)}, document)
+    places = np.arange(TOP if item.stage == "shortlist" else 0)
+    return Artifact({"pairs": pairs, "score": np.ones(len(pairs)), "places": places}, document)
 
 
 @dataclass(frozen=True)
@@ -215,9 +198,13 @@ CODE = [
         "riot.scores.trunks", "def quick_trunks(", "LIMIT = 1\n\n\ndef quick_trunks(", ALL - {"ingest", "reversibility"}
     ),
     _code("riot.scores.crs", "AREA_SLACK = 2e-3", "AREA_SLACK = 3e-3", CROSS_ON),
-    _code("pipeline.stages.qcrs", "def run(", "EDITED = 1\n\n\ndef run(", TRUNKS_ON),
-    _code("pipeline.stages.motion", "def run(", "EDITED = 1\n\n\ndef run(", {"motion"}),
-    _code("pipeline.stages.construct", "def run(", "EDITED = 1\n\n\ndef run(", {"construct", "motion"}),
+    _code("pipeline.stages.qcrs", "def run(", "@lambda run: run\ndef run(", TRUNKS_ON),
+    _code("pipeline.stages.crs", "def items(", "@lambda items: items\ndef items(", ()),
+    _code("pipeline.stages.crs", '"area terms evaluated"', '"area terms"', ()),
+    _code("riot.draw.palette", "from __future__", "EDITED = 1\nfrom __future__", ()),
+    _code("riot.draw.svg", "from __future__", "EDITED = 1\nfrom __future__", ()),
+    _code("pipeline.stages.motion", "def run(", "@lambda run: run\ndef run(", {"motion"}),
+    _code("pipeline.stages.construct", "def run(", "@lambda run: run\ndef run(", {"construct", "motion"}),
 ]
 
 PARAMETERS = [

@@ -15,10 +15,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from pipeline.cli.accept import accept, parts_of
 from pipeline.errors import PayloadError, StartError
-from pipeline.plan.accept import accept, parts_of
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.stages.registry import STAGES
+from pipeline.stages.all import STAGES
 from pipeline.store.keys import SCHEMA, KeyParts
 from pipeline.store.location import parse_location
 from pipeline.store.store import State, Store, folder_name

@@ -25,7 +25,7 @@ def show_outcome(outcome: Outcome, console: Console) -> None:
     if outcome.results.pairs:
         console.print(_best(outcome))
     console.print(_times(outcome))
-    for remark in remarks(counts(outcome.results), outcome.results.plan.config.select.policy):
+    for remark in remarks(counts(outcome.results), outcome.results.config.select.policy):
         console.print(remark, highlight=False, markup=False, soft_wrap=True)
     compared = read_comparison(_rows(outcome, "transforms"), _rows(outcome, "timings"))
     if compared is not None:

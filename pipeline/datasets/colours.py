@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from PIL import Image
 
-from pipeline.datasets.item import Item
-from pipeline.datasets.sample import PREFIX
+from pipeline.datasets.item import SAMPLE_PREFIX, Item
 from riot.geometry.picture import FORMATS
 
 
 def may_be_coloured(item: Item) -> bool:
     """Whether an item is a picture that can be transparent, by its header; False for what cannot be opened."""
-    if item.source.startswith(PREFIX):
+    if item.source.startswith(SAMPLE_PREFIX):
         return False
     try:
         with Image.open(item.source, formats=FORMATS) as image:

@@ -1,18 +1,15 @@
-"""One silhouette of a collection and how it is opened, apart from how collections are listed.
-
-Ingest runs this module and not the listing, so that a change of how folders are listed leaves every artifact alone.
-"""
+"""One silhouette of a collection: its name, its class, and where it is read from."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-from pipeline.datasets import sample
-from riot.geometry.shape import Shape
-from riot.parameters import ShapeParameters
+from pathlib import PurePath
 
 SOURCE = "{source}"
 """Stands for an item's source in kept messages: where a collection lies is no part of its content."""
+
+SAMPLE_PREFIX = "sample:"
+"""Begins the source of an item of the embedded sample."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +26,19 @@ class Item:
     source: str
     digest: str
 
+    @property
+    def shown_source(self) -> str:
+        """See `shown_source`."""
+        return shown_source(self.name, self.source)
 
-def open_item(item: Item, parameters: ShapeParameters | None = None) -> Shape:
-    """Read an item's silhouette; raises `riot.errors.SilhouetteError`."""
-    from riot.geometry.silhouette import read  # here, so that a collection is listed without what reads pictures
 
-    if item.source.startswith(sample.PREFIX):
-        return sample.shape(item.source, parameters).renamed(item.name)
-    return read(item.source, parameters).renamed(item.name)
+def shown_source(name: str, source: str) -> str:
+    """A source without the folder of its collection: a sample's definition, or the file's path below the root.
+
+    >>> shown_source("fish-1", "/pictures/fish-1.png")
+    'fish-1.png'
+    """
+    if source.startswith(SAMPLE_PREFIX):
+        return source
+    suffix = PurePath(source).suffix
+    return name if name.endswith(suffix) else name + suffix

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from pipeline.datasets.item import SAMPLE_PREFIX
+from riot import geometry, groundtruth  # modules of theirs are loaded when a picture is drawn, not when it is listed
 from riot.errors import SilhouetteError
 from riot.geometry.shape import Shape
 from riot.parameters import ShapeParameters
@@ -23,10 +25,6 @@ from riot.types import FloatArray
 
 if TYPE_CHECKING:
     from riot.groundtruth.pairs import ExactPair
-
-# What draws and reads pictures is imported where it is used, so that a collection is listed without it.
-
-PREFIX = "sample:"
 
 _SIDE = 256
 """Side, in pixels, of the picture of a pair's shape, and height of the glyphs."""
@@ -77,21 +75,19 @@ def definitions() -> list[tuple[str, str, str, str]]:
     """Name, class, source and digest of each shape of the sample, sorted by name."""
     rows = []
     for name, (cls, content) in _contents().items():
-        rows.append((name, cls, PREFIX + name, _digest(content)))
+        rows.append((name, cls, SAMPLE_PREFIX + name, _digest(content)))
     return rows
 
 
 def shape(source: str, parameters: ShapeParameters | None = None) -> Shape:
     """The shape of a ``sample:<name>``, from its picture; raises `SilhouetteError` for an unknown name."""
-    from riot.geometry.silhouette import mask_shape
-
-    return mask_shape(picture(source), source.removeprefix(PREFIX), parameters)
+    return geometry.silhouette.mask_shape(picture(source), source.removeprefix(SAMPLE_PREFIX), parameters)
 
 
 def picture(source: str) -> FloatArray:
     """Grey values, (rows, columns), 0 … 255, light on dark, of a ``sample:<name>``."""
     try:
-        _, content = _contents()[source.removeprefix(PREFIX)]
+        _, content = _contents()[source.removeprefix(SAMPLE_PREFIX)]
     except KeyError:
         raise SilhouetteError("unreadable", f"{source}: the sample has no such shape; start the run anew") from None
     return _draw_glyph(content) if isinstance(content, Glyph) else _draw_pair(content)
@@ -136,9 +132,7 @@ def _font_digest() -> str:
 
 @lru_cache(maxsize=4)  # the two sides are mostly asked for one after the other
 def _pair(pieces: int, seed: int) -> ExactPair:
-    from riot.groundtruth.pairs import exact_pair
-
-    return exact_pair(pieces, seed)
+    return groundtruth.pairs.exact_pair(pieces, seed)
 
 
 def _draw_pair(content: Pair) -> FloatArray:

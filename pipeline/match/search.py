@@ -14,9 +14,10 @@ import pyarrow.parquet as pq
 
 from pipeline.config.schema import Config, make_config
 from pipeline.errors import ConfigError, PayloadError, StartError
+from pipeline.explain.causes import explain, gather
 from pipeline.match.index import load_index
-from pipeline.plan.causes import explain, gather
-from pipeline.stages.registry import BY_NAME, Recipe, recipe
+from pipeline.plan.work_item import Recipe
+from pipeline.stages.all import BY_NAME
 from pipeline.store.keys import digest_bytes
 from pipeline.store.location import Location, parse_location
 from pipeline.store.store import Entry, Store
@@ -103,7 +104,7 @@ def open_mined(folder: Path, store: Location | None = None) -> Mined:
         raise StartError(f"{where.root}: the store of {folder} is gone; {moved}; else {AGAIN}")
     table = _shapes(folder, record)
     number_of = {digest: number for number, digest in zip(table["shape"], table["digest"], strict=True)}
-    of_trunks, of_ingest = (recipe(BY_NAME[stage], config) for stage in ("trunks", "ingest"))
+    of_trunks, of_ingest = (BY_NAME[stage].recipe(config) for stage in ("trunks", "ingest"))
     batches = []
     for key in _artifact_keys(folder, "trunks"):
         trunks = _entry(where, folder, of_trunks, key)
@@ -199,7 +200,7 @@ def _artifact_keys(folder: Path, stage: str) -> list[str]:
 
 def _entry(store: Store, folder: Path, of: Recipe, key: str) -> Entry:
     """The manifest of a batch; its key has to be what the code here would give it."""
-    stage = of.stage.name
+    stage = of.stage
     try:
         entry = store.entry(stage, key)
     except (PayloadError, OSError) as error:

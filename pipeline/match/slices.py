@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pipeline.errors import PayloadError, StartError
 from pipeline.match.search import AGAIN, Mined, open_mined, trunks_as_mined
-from pipeline.stages.items import count_shapes, expect_shape
+from pipeline.stages.shape_arrays import count_shapes, expect_shape
 from pipeline.store.location import parse_location
 from riot.cli import main as cli
 from riot.cli.slices import given, slice_model

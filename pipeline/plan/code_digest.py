@@ -9,6 +9,9 @@ holds what is used: for ``from riot import scores`` and ``scores.crs.best_trunk_
 ``riot.scores.crs``. A face that is used in any other way than by attribute counts with everything that it offers. The
 ``__init__`` of a package counts only when something is taken from it that is neither a module nor in its stub.
 
+Of a module that defines a stage counts what its ``run``, ``prepare`` and ``join`` reach, and what others take from it:
+how its work is planned, and what tables show of it, changes no result.
+
 The project's own modules are taken as they were when this process began (`pipeline.plan.sources`).
 """
 
@@ -23,6 +26,7 @@ from importlib import metadata
 from pathlib import Path
 
 from pipeline.plan.module_facts import FactsCache, ModuleFacts, cache_file
+from pipeline.plan.reached_code import is_stage
 from pipeline.plan.sources import AT_START, PACKAGES, Source, edited, read_sources
 
 DECLARATIONS = frozenset(
@@ -42,16 +46,22 @@ CODE_GENERATORS = {"numba": "llvmlite"}
 """Distributions and the one that generates their machine code."""
 
 
+WORK = ("run", "prepare", "join")
+"""The functions of a stage's module that do its work."""
+
+
 @dataclass(frozen=True)
 class Closure:
     """All that a module imports, directly or not; every part is sorted.
 
-    ``leads`` tells for each module which names it takes from faces and where they lead: ``riot:qcrs=riot.…``.
+    ``leads`` tells for each module which names it takes from faces and where they lead: ``riot:qcrs=riot.…``; ``names``
+    for each module of a stage which of its names are used, none for all of it.
     """
 
     modules: tuple[str, ...]
     libraries: tuple[str, ...]
     leads: Mapping[str, tuple[str, ...]]
+    names: Mapping[str, tuple[str, ...]]
 
     @property
     def files(self) -> list[str]:
@@ -67,8 +77,8 @@ class Project:
         """``cache`` keeps what was parsed; no digest depends on it."""
         self._sources = dict(sources)
         self._cache = cache
-        self._facts_of: dict[str, ModuleFacts] = {}
-        self._taken_by: dict[str, _Taken] = {}
+        self._facts_of: dict[tuple[str, tuple[str, ...]], ModuleFacts] = {}
+        self._taken_by: dict[tuple[str, str], _Taken] = {}
         self._closures: dict[str, Closure] = {}
 
     @classmethod
@@ -89,40 +99,61 @@ class Project:
         """The digest of each module that ``module`` imports: of its code, and of where the names of faces lead."""
         closure = self.closure(module)
         return {
-            name: _join(self._facts(name).digest, closure.leads[name])
+            name: _join(self._facts(name, closure.names.get(name, ())).digest, closure.leads[name])
             for name in closure.modules
             if name not in DECLARATIONS
         }
 
+    def file_digest(self, module: str) -> str:
+        """The digest of all of a module's code, whatever it imports."""
+        return self._facts(module).digest
+
     def _follow(self, start: str) -> Closure:
-        leads: dict[str, tuple[str, ...]] = {}
+        taken_by: dict[tuple[str, str], _Taken] = {}
         libraries: set[str] = set()
-        pending = [start]
+        pending = [(start, name) for name in WORK] if self._is_stage(start) else [(start, "")]
         while pending:
-            module = pending.pop()
-            if module not in leads:
-                taken = self._taken(module)
-                leads[module] = taken.leads
-                libraries.update(self._facts(module).libraries)
-                pending += taken.modules
-        return Closure(tuple(sorted(leads)), tuple(sorted(libraries)), leads)
+            module, name = node = pending.pop()
+            if node not in taken_by:
+                taken_by[node] = self._taken(module, name)
+                libraries.update(self._facts(module, (name,) if name else ()).libraries)
+                pending += [(other, used if self._is_stage(other) else "") for other, used in taken_by[node].modules]
+        modules = sorted({module for module, _ in taken_by})
+        leads = {
+            module: sorted({lead for node in taken_by if node[0] == module for lead in taken_by[node].leads})
+            for module in modules
+        }
+        names = {
+            module: sorted(name for other, name in taken_by if other == module)
+            for module in modules
+            if self._is_stage(module)
+        }
+        return Closure(
+            tuple(modules),
+            tuple(sorted(libraries)),
+            {module: tuple(of) for module, of in leads.items()},
+            {module: () if "" in of else tuple(of) for module, of in names.items()},
+        )
 
-    def _facts(self, module: str) -> ModuleFacts:
-        if module not in self._facts_of:
-            self._facts_of[module] = self._cache.facts(self._sources[module].content)
-        return self._facts_of[module]
+    def _is_stage(self, module: str) -> bool:
+        return is_stage(self._sources[module].content)
 
-    def _taken(self, module: str) -> _Taken:
-        if module not in self._taken_by:
-            facts = self._facts(module)
-            names = [(self._absolute(name, module), False) for name in facts.imported]
-            names += [(self._absolute(name, module), True) for name in facts.used]
-            self._taken_by[module] = self._resolve(names)
-        return self._taken_by[module]
+    def _facts(self, module: str, names: tuple[str, ...] = ()) -> ModuleFacts:
+        if (module, names) not in self._facts_of:
+            self._facts_of[module, names] = self._cache.facts(self._sources[module].content, names)
+        return self._facts_of[module, names]
+
+    def _taken(self, module: str, name: str) -> _Taken:
+        if (module, name) not in self._taken_by:
+            facts = self._facts(module, (name,) if name else ())
+            names = [(self._absolute(imported, module), False) for imported in facts.imported]
+            names += [(self._absolute(used, module), True) for used in facts.used]
+            self._taken_by[module, name] = self._resolve(names)
+        return self._taken_by[module, name]
 
     def _resolve(self, names: list[tuple[str, bool]]) -> _Taken:
         """Follow names to modules. With each name comes whether the code uses it, or only imports it."""
-        modules: set[str] = set()
+        modules: set[tuple[str, str]] = set()
         leads: set[str] = set()
         followed: set[tuple[str, bool]] = set()
         while names:
@@ -141,7 +172,7 @@ class Project:
                 continue
             if offers and not attributes and not is_used:
                 continue  # to import a face loads nothing
-            modules.add(module)
+            modules.add((module, attributes[0] if attributes else ""))
             bindings = offers or self._bindings(module, self._facts(module))
             if attributes == ["*"] or (offers and not attributes):
                 names += [(target, True) for target in bindings.values()]
@@ -189,9 +220,9 @@ class Project:
 
 @dataclass(frozen=True)
 class _Taken:
-    """What one module takes from others."""
+    """What one module takes from others: of each module a name, or all of it."""
 
-    modules: tuple[str, ...]
+    modules: tuple[tuple[str, str], ...]
     leads: tuple[str, ...]
 
 
@@ -202,6 +233,11 @@ PROJECT = Project(AT_START, FactsCache(PACKAGES, cache_file()))
 def code_digests(module: str) -> dict[str, str]:
     """The digest of each module of this project that ``module`` imports, directly or not, itself included."""
     return PROJECT.digests(module)
+
+
+def file_digest(module: str) -> str:
+    """The digest of all of a module's code, whatever it imports."""
+    return PROJECT.file_digest(module)
 
 
 def edited_since_start(module: str) -> list[str]:

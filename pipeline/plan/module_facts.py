@@ -19,10 +19,11 @@ from dataclasses import astuple, dataclass
 from pathlib import Path
 
 from pipeline.plan.module_uses import module_uses
+from pipeline.plan.reached_code import reached_code
 from pipeline.plan.sources import AT_START, ROOT
 from pipeline.plan.syntax_digest import syntax_digest
 
-_RULES = ("module_facts", "module_uses", "syntax_digest")
+_RULES = ("module_facts", "module_uses", "reached_code", "syntax_digest")
 """The modules of this package that facts depend on."""
 
 
@@ -66,13 +67,13 @@ class FactsCache:
         self._facts: dict[str, ModuleFacts] | None = None
         self._is_new = False
 
-    def facts(self, content: bytes) -> ModuleFacts:
-        """See `read_facts`."""
+    def facts(self, content: bytes, names: Iterable[str] = ()) -> ModuleFacts:
+        """See `read_facts`; with ``names`` the facts of what these reach of the file (`reached_code`)."""
         if self._facts is None:
             self._facts = self._load()
-        name = hashlib.sha256(content).hexdigest()
+        name = ":".join([hashlib.sha256(content).hexdigest(), *sorted(names)])
         if name not in self._facts:
-            self._facts[name] = read_facts(content, self._packages)
+            self._facts[name] = read_facts(reached_code(content, names) if names else content, self._packages)
             self._is_new = True
         return self._facts[name]
 
@@ -82,7 +83,7 @@ class FactsCache:
             return
         self._is_new = False
         names = {hashlib.sha256(content).hexdigest() for content in contents}
-        facts = {name: astuple(facts) for name, facts in self._facts.items() if name in names}
+        facts = {name: astuple(facts) for name, facts in self._facts.items() if name.partition(":")[0] in names}
         body = json.dumps([_version(), self._packages, facts]).encode()
         with contextlib.suppress(OSError):
             _replace(self._file, hashlib.sha256(body).hexdigest().encode() + b"\n" + body)

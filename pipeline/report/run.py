@@ -111,7 +111,9 @@ def read_run(folder: Path) -> Run:
     pairs_without_trunks = [0]
 
     def scores() -> Iterator[FloatArray]:
-        for batch in ds.dataset(folder / "qcrs", tables.QCRS, format="parquet").to_batches(columns=["score", "n"]):
+        for batch in ds.dataset(folder / "qcrs", tables.SCHEMAS["qcrs"], format="parquet").to_batches(
+            columns=["score", "n"]
+        ):
             pairs_without_trunks[0] += int((batch.column("n").to_numpy() == 0).sum())
             yield batch.column("score").to_numpy()
 

@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from pipeline.plan.causes import explain, gather
+from pipeline.explain.causes import explain, gather
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.stages.registry import STAGES
+from pipeline.stages.all import STAGES
 from pipeline.store.keys import SCHEMA
 from pipeline.store.location import Location
 

@@ -17,7 +17,7 @@ from typing import Any, Protocol
 
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError
-from pipeline.plan.plan import WorkItem
+from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.admission import Admission
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.guard import Guards

@@ -10,11 +10,12 @@ from dataclasses import dataclass, field, replace
 
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError, StorageError
-from pipeline.plan.plan import Reference, WorkItem
+from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.cluster import Bundle, Executor, Here, open_cluster
 from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
 from pipeline.runtime.worker import Failure, Receipt
-from pipeline.stages.registry import BY_NAME
+from pipeline.stages.all import BY_NAME
+from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.location import Location
 from pipeline.store.store import State, Store
@@ -42,17 +43,17 @@ class Run:
     blocked: set[Reference] = field(default_factory=set)
     stages: list[StageEnded] = field(default_factory=list)
 
-    def stage(self, name: str, items: Sequence[WorkItem], *, here: bool = False) -> None:
-        """Bring a stage's items into the store; ``here``: in this process, because it is not worth a worker.
+    def stage(self, stage: Stage, items: Sequence[WorkItem]) -> None:
+        """Bring a stage's items into the store.
 
         Raises `StorageError` once the store takes no more, and ``unwritable`` for the first item that it lacks.
         """
         started = time.perf_counter()
         unique = {item.reference: item for item in items}
-        found = dict(zip(unique, self.store.check_all(list(unique)), strict=True))
-        cached = {reference: cost for reference, (state, cost) in found.items() if state is State.PRESENT}
-        corrupt = sum(state is State.CORRUPT for state, _ in found.values())
-        self.listen(StageStarted(name, BY_NAME[name].unit, len(unique), len(cached), corrupt))
+        states = dict(zip(unique, self.store.check_all(list(unique)), strict=True))
+        cached = {reference: cost for reference, (state, cost) in states.items() if state is State.PRESENT}
+        corrupt = sum(state is State.CORRUPT for state, _ in states.values())
+        self.listen(StageStarted(stage.name, stage.unit, len(unique), len(cached), corrupt))
         self.done |= cached.keys()
         ready = {ref: item for ref, item in unique.items() if ref not in cached and self.done.issuperset(item.sources)}
         self.blocked |= unique.keys() - cached.keys() - ready.keys()
@@ -60,10 +61,10 @@ class Run:
         if ready:
             if self.unwritable is not None:
                 raise self.unwritable
-            executor = Here() if here else self.cluster()
+            executor = Here() if stage.here else self.cluster()
             spent = self._work(executor, ready)
         ended = StageEnded(
-            stage=name,
+            stage=stage.name,
             total=len(unique),
             cached=len(cached),
             computed=sum(reference in self.done for reference in ready),
@@ -74,7 +75,7 @@ class Run:
             stored_seconds=self._stored_seconds(unique.keys(), cached),
             peak_mb=max((receipt.peak_mb for receipt in spent), default=0.0),
         )
-        self.stages = [*(one for one in self.stages if one.stage != name), self._with_earlier(ended)]
+        self.stages = [*(earlier for earlier in self.stages if earlier.stage != stage.name), self._with_earlier(ended)]
         self.listen(ended)
 
     def probe(self, items: Sequence[WorkItem]) -> dict[Reference, Failure]:
@@ -88,21 +89,23 @@ class Run:
             trial._work(self.cluster(), missing)
         return trial.failed
 
-    def adopt(self, failed: WorkItem, made: WorkItem, parts: Sequence[WorkItem], artifact: Artifact) -> None:
-        """Keep what was joined from finished ``parts`` as the artifact of ``made``, in the place of a failed item.
+    def adopt(self, failed: WorkItem, joined: WorkItem, parts: Sequence[WorkItem], artifact: Artifact) -> None:
+        """Keep the ``artifact`` joined from finished ``parts`` as that of ``joined``, instead of a failed item.
 
         Where that is the item itself, it has not failed after all.
         """
         costs = [entry.cost for part in parts if (entry := self.store.entry(*part.reference)) is not None]
-        cost = {name: float(sum(each.get(name, 0.0) for each in costs)) for name in ("seconds", "cpu_seconds")}
-        cost["peak_mb"] = max((each.get("peak_mb", 0.0) for each in costs), default=0.0)
-        self.store.put(made.parts, artifact, cost)
-        self.done.add(made.reference)
+        total = {name: float(sum(cost.get(name, 0.0) for cost in costs)) for name in ("seconds", "cpu_seconds")}
+        total["peak_mb"] = max((cost.get("peak_mb", 0.0) for cost in costs), default=0.0)
+        self.store.put(joined.parts, artifact, total)
+        self.done.add(joined.reference)
         del self.failed[failed.reference]
-        if made.reference == failed.reference:
+        if joined.reference == failed.reference:
             self.stages = [
-                replace(one, failed=one.failed - 1, computed=one.computed + 1) if one.stage == made.stage else one
-                for one in self.stages
+                replace(ended, failed=ended.failed - 1, computed=ended.computed + 1)
+                if ended.stage == joined.stage
+                else ended
+                for ended in self.stages
             ]
 
     def begin_again(self) -> None:
@@ -168,8 +171,8 @@ def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
         return []
     stage, least = BY_NAME[items[0].stage], TASKS_PER_WORKER * workers
     if stage.tile:
-        made = (tiles(items, side) for side in range(stage.tile, 0, -1))
-        return next((found for found in made if len(found) >= least), [[item] for item in items])
+        tilings = (tiles(items, side) for side in range(stage.tile, 0, -1))
+        return next((tiling for tiling in tilings if len(tiling) >= least), [[item] for item in items])
     size = max(1, min(stage.bundle, len(items) // least))
     return [items[start : start + size] for start in range(0, len(items), size)]
 
@@ -180,11 +183,11 @@ def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:
     Inputs are numbered as they appear. The largest tiles come first, so that workers end at about the same time.
     """
     numbers: dict[Reference, int] = {}
-    found: dict[tuple[int, int], list[WorkItem]] = {}
+    tiling: dict[tuple[int, int], list[WorkItem]] = {}
     for item in items:
-        places = [numbers.setdefault(source, len(numbers)) // side for source in item.sources]
-        found.setdefault((min(places), max(places)), []).append(item)
-    return sorted(found.values(), key=len, reverse=True)
+        sides = [numbers.setdefault(source, len(numbers)) // side for source in item.sources]
+        tiling.setdefault((min(sides), max(sides)), []).append(item)
+    return sorted(tiling.values(), key=len, reverse=True)
 
 
 @contextlib.contextmanager

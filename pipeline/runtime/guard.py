@@ -17,7 +17,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from multiprocessing.connection import Connection
 
-from pipeline.plan.plan import WorkItem
+from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.worker import Failure, Receipt
 
 MAX_DEATHS = 2

@@ -9,8 +9,8 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, overload
 
-from pipeline.plan.plan import Reference, WorkItem
-from pipeline.stages.registry import BY_NAME
+from pipeline.plan.work_item import Reference, WorkItem
+from pipeline.stages.all import BY_NAME
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import Store
 

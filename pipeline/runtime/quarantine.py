@@ -9,20 +9,22 @@ next run tries it again. Where no piece is deadly, the pieces are joined to what
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from pipeline.datasets.collection import Collection, Rejected
 from pipeline.plan.code_digest import edited_since_start
-from pipeline.plan.part import Part
-from pipeline.plan.plan import Pair, Plan, WorkItem, make_plan, plan_alone, plan_part, plan_without, whole_part
+from pipeline.plan.progress import Progress, begin
+from pipeline.plan.sub_block import SubBlock
+from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.events import Note
 from pipeline.runtime.execute import Run
 from pipeline.runtime.worker import Failure
-from pipeline.stages.registry import BY_NAME
+from pipeline.stages.all import STAGES
+from pipeline.stages.shape_arrays import join_single
+from pipeline.stages.stage import Stage
 
-OF_SHAPES = ("ingest", "reversibility", "trunks")
+OF_SHAPES = tuple(stage for stage in STAGES if stage.scope == "batch")
 """The stages of batches of shapes, in order."""
 
 MOST = 128
@@ -32,15 +34,17 @@ Culprits = dict[int, tuple[str, Failure]]
 """Positions of shapes in the collection, with the stage and the failure of each."""
 
 
-def bring_shapes(plan: Plan, collection: Collection, run: Run) -> tuple[Plan, Collection]:
-    """Bring the stages of shapes into the store; returns plan and collection without the shapes that were set aside."""
-    while culprits := _first_culprits(plan, run):
-        collection = without(collection, culprits)
-        plan = make_plan(plan.config, collection)
+def bring_shapes(progress: Progress, run: Run) -> Progress:
+    """Bring the stages of shapes into the store; returns what is known then, without the shapes that were set aside."""
+    while True:
+        done, culprits = _until_culprits(progress, run)
+        if not culprits:
+            return done
+        collection = without(progress.collection, culprits)
+        progress = begin(progress.config, collection, progress.recipes, progress.read)
         names = ", ".join(row.name for row in collection.rejected[-len(culprits) :])
         run.listen(Note(f"set aside, and planned anew without: {names}"))
         run.begin_again()
-    return plan, collection
 
 
 def without(collection: Collection, culprits: Culprits) -> Collection:
@@ -53,31 +57,33 @@ def without(collection: Collection, culprits: Culprits) -> Collection:
     return replace(collection, items=kept, rejected=(*collection.rejected, *rows))
 
 
-def _first_culprits(plan: Plan, run: Run) -> Culprits:
+def _until_culprits(progress: Progress, run: Run) -> tuple[Progress, Culprits]:
     """Run the stages of shapes until one has culprits."""
     for stage in OF_SHAPES:
-        work = getattr(plan, stage)
+        work = stage.items(progress)
         run.stage(stage, work)
+        progress = progress.with_work(stage.name, work, frozenset(run.done))
         culprits: Culprits = {}
         for item in work:
             failure = run.failed.get(item.reference)
             if failure is None or not failure.deadly:
                 continue
             if len(item.members) == 1:
-                culprits[item.members[0]] = (stage, failure)
-            elif found := _among(plan, item, run):
-                culprits |= found
+                culprits[item.members[0]] = (stage.name, failure)
+            else:
+                culprits |= _among(progress, stage, item, run)
         if culprits:
-            return culprits
-    return {}
+            return progress, culprits
+        progress = replace(progress, done=frozenset(run.done))  # a batch may be joined from its shapes
+    return progress, {}
 
 
-def _among(plan: Plan, batch: WorkItem, run: Run) -> Culprits:
+def _among(progress: Progress, stage: Stage, batch: WorkItem, run: Run) -> Culprits:
     """Which members of a batch do alone what the batch did; where all do well, they are joined to the batch."""
-    alone = {position: plan_alone(plan, position) for position in batch.members}
+    alone = {position: _work_alone(progress.alone(position), stage) for position in batch.members}
     culprits: Culprits = {}
     left = dict(alone)
-    for name in dict.fromkeys(("ingest", batch.stage)):
+    for name in dict.fromkeys((OF_SHAPES[0].name, stage.name)):
         failures = run.probe([work[name] for work in left.values()])
         for position, work in list(left.items()):
             failure = failures.get(work[name].reference)
@@ -85,51 +91,61 @@ def _among(plan: Plan, batch: WorkItem, run: Run) -> Culprits:
                 del left[position]
                 if failure.deadly:
                     culprits[position] = (name, failure)
-    if len(left) == len(alone) and not edited_since_start(BY_NAME[batch.stage].module):
-        from pipeline.stages.items import join_single  # here: what joins is seldom needed
-
-        parts = [work[batch.stage] for work in alone.values()]
+    if len(left) == len(alone) and not edited_since_start(stage.module):
+        parts = [work[stage.name] for work in alone.values()]
         run.adopt(batch, batch, parts, join_single([run.store.get(*part.reference) for part in parts]))
     return culprits
 
 
-def bring_scores(plan: Plan, run: Run) -> tuple[Plan, tuple[WorkItem, ...]]:
-    """Bring the blocks of pairs, or the searches for partners, into the store.
+def _work_alone(progress: Progress, last: Stage) -> dict[str, WorkItem]:
+    """The work of a single shape in the stages of shapes up to ``last``, by stage."""
+    work = {}
+    for stage in OF_SHAPES:
+        (work[stage.name],) = stage.items(progress)
+        if stage is last:
+            break
+        progress = progress.with_work(stage.name, [work[stage.name]], progress.done)
+    return work
 
-    Returns the plan, in which those are replaced of which parts were lost, and the lost parts.
+
+def bring_blocks(progress: Progress, stage: Stage, run: Run) -> tuple[list[WorkItem], list[WorkItem]]:
+    """Bring the work of a stage of blocks into the store.
+
+    Returns its work items, in which those are replaced of which parts were lost, and the lost parts.
     """
-    stage = "qcrs" if plan.pairs is None else "partners"
-    run.stage(stage, tuple(plan.qcrs.values()))
+    assert stage.sub_blocks is not None
+    work = list(stage.items(progress))
+    run.stage(stage, work)
     failures = dict(run.failed)
-    deadly = {place: item for place, item in plan.qcrs.items() if _deadly(failures.get(item.reference))}
-    if not deadly or edited_since_start(BY_NAME[stage].module):
-        return plan, ()
-    trials = [_Trial(place, whole_part(plan, place), item) for place, item in deadly.items()]
-    broken = {place: _Broken() for place in deadly}
+    deadly = [item for item in work if _deadly(failures.get(item.reference))]
+    if not deadly or edited_since_start(stage.module):
+        return work, []
+    trials = [_Trial(item, stage.sub_blocks.whole(progress, item), item) for item in deadly]
+    broken = {item.reference: _Broken() for item in deadly}
     while trials:
-        failed = {one.item.reference: failures.get(one.item.reference) for one in trials}
+        failed = {trial.item.reference: failures.get(trial.item.reference) for trial in trials}
         few = sum(failure is not None for failure in failed.values()) <= MOST
         smaller: list[_Trial] = []
-        for one in trials:
-            failure = failed[one.item.reference]
-            halves = one.part.halves() if few and _deadly(failure) else []
+        for trial in trials:
+            failure = failed[trial.item.reference]
+            halves = trial.part.halves() if few and _deadly(failure) else []
             if failure is None:
-                broken[one.place].done.append(one.item)
+                broken[trial.block.reference].done.append(trial.item)
             elif halves:
-                smaller += [_Trial(one.place, half, plan_part(plan, one.place, half)) for half in halves]
+                smaller += [_Trial(trial.block, half, _item(progress, stage, trial.block, half)) for half in halves]
             else:
-                broken[one.place].lost.append((one, failure))
+                broken[trial.block.reference].lost.append((trial, failure))
         trials = smaller
-        failures = run.probe([one.item for one in trials])
-    return _joined(plan, broken, run)
+        failures = run.probe([trial.item for trial in trials])
+    return _joined(progress, stage, work, broken, run)
 
 
 @dataclass(frozen=True)
 class _Trial:
     """A part of a block, tried by itself."""
 
-    place: Pair
-    part: Part
+    block: WorkItem
+    part: SubBlock
     item: WorkItem
 
 
@@ -141,30 +157,50 @@ class _Broken:
     lost: list[tuple[_Trial, Failure]] = field(default_factory=list)
 
 
-def _joined(plan: Plan, broken: dict[Pair, _Broken], run: Run) -> tuple[Plan, tuple[WorkItem, ...]]:
-    """`bring_scores` of broken blocks."""
-    qcrs = dict(plan.qcrs)
+def _item(progress: Progress, stage: Stage, block: WorkItem, part: SubBlock) -> WorkItem:
+    """The work item of a part of a block; of its rows and columns it has the members."""
+    assert stage.sub_blocks is not None
+    recipe = progress.recipes[stage.name]
+    members = stage.sub_blocks.members(progress, block, part)
+    return recipe.item(recipe.parts(block.parts.inputs, part), block.sources, spec=part, members=members)
+
+
+def _without(progress: Progress, block: WorkItem, lost: Sequence[SubBlock]) -> WorkItem:
+    """A block without some parts: nothing does it at once, it is joined from the others."""
+    parts = progress.recipes[block.stage].parts(block.parts.inputs, lost)
+    return replace(block, parts=parts, spec=tuple(lost))
+
+
+def _joined(
+    progress: Progress, stage: Stage, work: list[WorkItem], broken: dict[Reference, _Broken], run: Run
+) -> tuple[list[WorkItem], list[WorkItem]]:
+    """`bring_blocks` of broken blocks."""
+    assert stage.sub_blocks is not None
     lost: list[WorkItem] = []
-    for place, found in broken.items():
-        whole, without = plan.qcrs[place], [one.part for one, _ in found.lost]
-        made = plan_without(plan, place, without) if without else whole
-        join = importlib.import_module(BY_NAME[whole.stage].module).join
-        artifacts = [run.store.get(*part.reference) for part in found.done]
-        run.adopt(whole, made, found.done, join(artifacts, without))
-        if without:  # the next run tries the block anew, and then needs its parts
-            run.done |= {part.reference for part in found.done}
-        run.failed |= {one.item.reference: failure for one, failure in found.lost}
-        qcrs[place] = made
-        lost += [one.item for one, _ in found.lost]
+    joined = []
+    for block in work:
+        pieces = broken.get(block.reference)
+        if pieces is None:
+            joined.append(block)
+            continue
+        parts = [trial.part for trial, _ in pieces.lost]
+        item = _without(progress, block, parts) if parts else block
+        artifacts = [run.store.get(*part.reference) for part in pieces.done]
+        run.adopt(block, item, pieces.done, stage.sub_blocks.join(artifacts, parts))
+        if parts:  # the next run tries the block anew, and then needs its parts
+            run.done |= {part.reference for part in pieces.done}
+        run.failed |= {trial.item.reference: failure for trial, failure in pieces.lost}
+        joined.append(item)
+        lost += [trial.item for trial, _ in pieces.lost]
     if lost:
-        run.listen(Note(f"set aside: {', '.join(_names(plan, item.members) for item in lost)}"))
-    return replace(plan, qcrs=qcrs), tuple(lost)
+        run.listen(Note(f"set aside: {', '.join(_names(progress, item.members) for item in lost)}"))
+    return joined, lost
 
 
-def _names(plan: Plan, members: Sequence[int]) -> str:
+def _names(progress: Progress, members: Sequence[int]) -> str:
     if len(members) > 2:
         return f"{len(members)} shapes"
-    return " × ".join(plan.items[position].name for position in members)
+    return " × ".join(progress.items[position].name for position in members)
 
 
 def _deadly(failure: Failure | None) -> bool:

@@ -8,9 +8,9 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from pipeline.plan.plan import WorkItem
+from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.inputs import Inputs, Kept
-from pipeline.stages.registry import code_text, work_of
+from pipeline.stages.all import checked_stage, code_text
 from pipeline.store.location import parse_location
 from pipeline.store.store import State, Store
 
@@ -63,8 +63,8 @@ def _perform_one(store: Store, inputs: Inputs, place: int, item: WorkItem) -> Re
         return Receipt(item.stage, item.key)
     failure = None
     try:
-        work = work_of(item.stage, code_text(dict(item.parts.code), dict(item.parts.versions)))
-        artifact = work.run(inputs.of(place, item, work.prepare), item.parameters, item.spec)
+        stage = checked_stage(item.stage, code_text(item.parts.code, item.parts.versions))
+        artifact = stage.run(inputs.of(place, item, stage.prepare), item.parameters, item.spec)
         seconds, cpu_seconds = time.perf_counter() - wall, time.process_time() - cpu
         store.put(item.parts, artifact, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": _peak_mb()})
     except Exception as error:

@@ -1,21 +1,24 @@
-"""Construction and certificate of one selected pair."""
+"""Construction and certificate of one pair (paper §4.3; the exact partition is ours)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
-from pipeline.stages.items import ErrorRow, attempt, expect_shape
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
 from pipeline.stages.refine import unpack_plans
+from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
+from pipeline.stages.shortlist import shortlisted
+from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
-from riot.construction.choose import construct_plans
+from riot import construction, transform
 from riot.errors import ConstructionError, TrunkError
-from riot.transform.certificate import certify
-from riot.transform.deformation import Deformation, change_ratio, measure_deformation
-from riot.transform.fidelity import bending_ratio, direction_error
-from riot.transform.riot_file import to_json
-from riot.transform.transform import Transform
+
+if TYPE_CHECKING:
+    from riot.transform.deformation import Deformation
+    from riot.transform.transform import Transform
 
 Spec = tuple[tuple[int, str], tuple[int, str]]
 """Local index and name of P and of Q; the names are in the file that is written."""
@@ -35,51 +38,52 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Ar
         return _rejected("no-trunks", "no pair of full trunks has the same number of vertices")
     errors: list[ErrorRow] = []
 
-    def made() -> Artifact:
+    def construct() -> Artifact:
         try:
-            return _measured(construct_plans(plans, unplanned, settings), settings.method)
+            return _measured(construction.choose.construct_plans(plans, unplanned, settings), settings.method)
         except ConstructionError as error:
             return _rejected(error.reason, str(error))
         except TrunkError as error:
             return _rejected("trunks", str(error))
 
-    result = attempt(0, made, errors)
+    result = attempt(0, construct, errors)
     return result if result is not None else Artifact({}, {"status": "failed", "errors": errors})
 
 
-def _measured(transform: Transform, method: str) -> Artifact:
-    certificate, deformation = certify(transform), measure_deformation(transform)
+def _measured(result: Transform, method: str) -> Artifact:
+    certificate, deformation = transform.certificate.certify(result), transform.deformation.measure_deformation(result)
     sides = {"p": certificate.p, "q": certificate.q}
     numbers = {
-        "n": len(transform),
+        "n": len(result),
         **{name: float(getattr(deformation, name)) for name in DEFORMATION},
-        "bound_p": float(transform.bound_p),
-        "bound_q": float(transform.bound_q),
-        **_fidelity(transform, deformation),
+        "bound_p": float(result.bound_p),
+        "bound_q": float(result.bound_q),
+        **_fidelity(result, deformation),
         **{f"{term}_{side}": float(getattr(of, term)) for side, of in sides.items() for term in RESIDUALS},
     }
     if certificate.passed:
-        said = {"status": "certified", "reason": "", "message": ""}
+        status = {"status": "certified", "reason": "", "message": ""}
     elif method == "laplacian":  # its pieces overlap and leave gaps by nature
-        said = {"status": "approximate", "reason": "method", "message": certificate.failure}
+        status = {"status": "approximate", "reason": "method", "message": certificate.failure}
     else:
         return Artifact({}, {**_rejected("certificate", certificate.failure).document, **numbers})
-    return Artifact({}, {**said, "riot": to_json(transform), **numbers})
+    return Artifact({}, {**status, "riot": transform.riot_file.to_json(result), **numbers})
 
 
-def _fidelity(transform: Transform, deformation: Deformation) -> dict[str, float | None]:
+def _fidelity(result: Transform, deformation: Deformation) -> dict[str, float | None]:
     """The numbers `FIDELITY`; 10 ms a pair."""
     changes = (
-        change_ratio(deformation.iou_p, transform.bound_p),
-        change_ratio(deformation.iou_q, transform.bound_q),
+        transform.deformation.change_ratio(deformation.iou_p, result.bound_p),
+        transform.deformation.change_ratio(deformation.iou_q, result.bound_q),
     )
-    p, q = (transform.outline_p(), transform.p.points), (transform.outline_q(), transform.q.points)
+    p, q = (result.outline_p(), result.p.points), (result.outline_q(), result.q.points)
+    fidelity = transform.fidelity
     return {
         "change_ratio": max((change for change in changes if not math.isnan(change)), default=None),
-        "bending_p": bending_ratio(*p),
-        "bending_q": bending_ratio(*q),
-        "direction_p": direction_error(*p),
-        "direction_q": direction_error(*q),
+        "bending_p": fidelity.bending_ratio(*p),
+        "bending_q": fidelity.bending_ratio(*q),
+        "direction_p": fidelity.direction_error(*p),
+        "direction_q": fidelity.direction_error(*q),
     }
 
 
@@ -90,3 +94,94 @@ RESIDUALS = ("overlap", "gap", "hinge")
 
 def _rejected(reason: str, message: str) -> Artifact:
     return Artifact({}, {"status": "rejected", "reason": reason, "message": message})
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each pair of the shortlist, the most promising first."""
+    recipe, refined = progress.recipes["construct"], progress.finished("refine")
+    work = []
+    for position in shortlisted(progress):
+        item = refined[position]
+        p, q = item.members
+        names = (progress.items[p].name, progress.items[q].name)
+        spec = ((item.spec[0], names[0]), (item.spec[1], names[1]))
+        sources = [*item.sources, item.reference]
+        work.append(recipe.item(recipe.parts([item.key], names), sources, spec=spec, members=(p, q)))
+    return work
+
+
+def certified(progress: Progress) -> list[WorkItem]:
+    """The finished constructions that passed their certificates, in order."""
+    return [item for item in progress.finished("construct") if progress.read(item).document["status"] == "certified"]
+
+
+def least_deformed(progress: Progress, count: int) -> list[WorkItem]:
+    """The ``count`` certified constructions of greatest IoU of the worse shape, best first."""
+
+    def iou(item: WorkItem) -> float:
+        document = progress.read(item).document
+        return min(float(document["iou_p"]), float(document["iou_q"]))
+
+    return sorted(certified(progress), key=iou, reverse=True)[:count]
+
+
+def _row(artifact: Artifact) -> Mapping[str, Any]:
+    row = {name: value for name, value in artifact.document.items() if name != "riot"}
+    if "iou_p" in row:
+        row["iou"] = min(row["iou_p"], row["iou_q"])
+    return row
+
+
+RATIO, OF_L_C, ANGLE, AREA = "1", "L_c = 2*sqrt(pi)", "rad", "unit-area frame"
+
+STAGE = Stage(
+    name="construct",
+    unit="pairs",
+    after=("shortlist",),
+    parameters=("construct", "refine.reach"),
+    items=items,
+    run=run,
+    scope="pair",
+    known_after="shortlist",
+    tables=(
+        TableColumns(
+            "transforms",
+            (
+                Column("status", "string", "certified, approximate (not exact: the paper's method), or rejected"),
+                Column("reason", "string", "why it was rejected, one word"),
+                Column("message", "string", "why it was rejected, in words"),
+                Column("n", "int8", "pieces", "count"),
+                Column("iou", "float64", "intersection over union with the input, of the worse shape", RATIO),
+                Column("iou_p", "float64", "of P with its input", RATIO),
+                Column("iou_q", "float64", "of Q with its input", RATIO),
+                Column("bound_p", "float64", "upper bound of iou_p for the trunks used", RATIO),
+                Column("bound_q", "float64", "upper bound of iou_q for the trunks used", RATIO),
+                Column(
+                    "change_ratio",
+                    "float64",
+                    "(1 − iou) / (1 − bound), the greater of P's and Q's; null = bound near 1",
+                    RATIO,
+                ),
+                Column("hausdorff_p", "float64", "symmetric Hausdorff distance of P's outlines", OF_L_C),
+                Column("hausdorff_q", "float64", "symmetric Hausdorff distance of Q's outlines", OF_L_C),
+                Column("mean_distance_p", "float64", "mean distance of P's outlines", OF_L_C),
+                Column("mean_distance_q", "float64", "mean distance of Q's outlines", OF_L_C),
+                Column("bending_p", "float64", "bending energy of P's outline over the input's", RATIO),
+                Column("bending_q", "float64", "bending energy of Q's outline over the input's", RATIO),
+                Column(
+                    "direction_p", "float64", "mean angle of P's outline to the input's at corresponding points", ANGLE
+                ),
+                Column(
+                    "direction_q", "float64", "mean angle of Q's outline to the input's at corresponding points", ANGLE
+                ),
+                Column("overlap_p", "float64", "certificate: overlap of P's pieces", AREA),
+                Column("overlap_q", "float64", "certificate: overlap of Q's pieces", AREA),
+                Column("gap_p", "float64", "certificate: area that P's pieces leave open", AREA),
+                Column("gap_q", "float64", "certificate: area that Q's pieces leave open", AREA),
+                Column("hinge_p", "float64", "certificate: greatest distance at a hinge of P", AREA),
+                Column("hinge_q", "float64", "certificate: greatest distance at a hinge of Q", AREA),
+            ),
+            _row,
+        ),
+    ),
+)

@@ -6,28 +6,33 @@ import math
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.stages.items import ErrorRow, attempt
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.construct import least_deformed
+from pipeline.stages.planning import after_motion
+from pipeline.stages.shape_arrays import ErrorRow, attempt
+from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.stages.textures import Pictures, read_textures
 from pipeline.store.artifact import AnyArray, Artifact
+from riot import fabricate, transform
 from riot.draw.texture.names import Side
-from riot.draw.texture.paint import Texture
 from riot.errors import FabricationError
-from riot.fabricate.certificate import Built, build, fix
-from riot.fabricate.export.paperwork import SHEETS, write_paperwork
-from riot.fabricate.export.solids import write_puzzle
 from riot.parameters import FabricationParameters
-from riot.transform.riot_file import from_json
-from riot.transform.transform import Transform
+
+if TYPE_CHECKING:
+    from riot.draw.texture.paint import Texture
+    from riot.fabricate.certificate import Built
+    from riot.transform.transform import Transform
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures | None) -> Artifact:
     """A transform with its motion → the puzzle's files by name, (bytes,) uint8 each, and a document.
 
-    The document has what the columns of `pipeline.tables.schemas.FABRICATIONS` say of a puzzle.
+    The document has the columns that ``STAGE`` adds to the table of fabrications.
 
     ``spec``: the colour pictures of its shapes, for the texture sheets among the paperwork; one that cannot be a
     texture is told in the warnings. A puzzle that cannot be made, or fails its certificate, has no files and a reason:
@@ -36,36 +41,40 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures | 
     (planned,), (sizes, mend, paper) = inputs, parameters
     errors: list[ErrorRow] = []
 
-    def made() -> Artifact:
+    def make() -> Artifact:
         try:
-            return _made(from_json(planned.document["riot"]), sizes, mend, paper, spec or (None, None))
+            source = transform.riot_file.from_json(planned.document["riot"])
+            return _made(source, sizes, mend, paper, spec or (None, None))
         except FabricationError as error:
-            said = {"status": "refused", "reason": error.reason, "message": str(error)}
-            return Artifact({}, {**said, **_asked(sizes)})
+            status = {"status": "refused", "reason": error.reason, "message": str(error)}
+            return Artifact({}, {**status, **_asked(sizes)})
 
-    result = attempt(0, made, errors)
+    result = attempt(0, make, errors)
     return result if result is not None else Artifact({}, {"errors": errors})
 
 
-def _made(transform: Transform, sizes: FabricationParameters, mend: bool, paper: bool, pictures: Pictures) -> Artifact:
-    puzzle = (fix if mend else build)(transform, sizes)
+def _made(source: Transform, sizes: FabricationParameters, mend: bool, paper: bool, pictures: Pictures) -> Artifact:
+    certificate = fabricate.certificate
+    puzzle = (certificate.fix if mend else certificate.build)(source, sizes)
     if not puzzle.certificate.passed:
-        said = {"status": "failed", "reason": "uncertified", "message": "; ".join(puzzle.certificate.failures)}
-        return Artifact({}, {**said, **_measured(puzzle)})
-    textures, refused = read_textures(transform, pictures) if paper else ({}, [])
+        status = {"status": "failed", "reason": "uncertified", "message": "; ".join(puzzle.certificate.failures)}
+        return Artifact({}, {**status, **_measured(puzzle)})
+    textures, refused = read_textures(source, pictures) if paper else ({}, [])
     files = _files(puzzle, paper, textures)  # may still find that a part is larger than the bed
     measured = _measured(puzzle)
-    measured["warnings"] += [f"no {SHEETS[each.side]}: {each.message}" for each in refused]
+    sheets = fabricate.export.paperwork.SHEETS
+    measured["warnings"] += [f"no {sheets[refusal.side]}: {refusal.message}" for refusal in refused]
     return Artifact(files, {"status": "certified", "reason": "", "message": "", **measured})
 
 
 def _files(puzzle: Built, paper: bool, textures: Mapping[Side, Texture]) -> dict[str, AnyArray]:
     def paperwork(where: Path) -> None:
-        write_paperwork(puzzle.design, where, textures, dxf=False)
+        fabricate.export.paperwork.write_paperwork(puzzle.design, where, textures, dxf=False)
 
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "puzzle"
-        paths = write_puzzle(puzzle.design, puzzle.parts, puzzle.certificate, folder, [paperwork] if paper else [])
+        write = fabricate.export.solids.write_puzzle
+        paths = write(puzzle.design, puzzle.parts, puzzle.certificate, folder, [paperwork] if paper else [])
         return {path.relative_to(folder).as_posix(): np.frombuffer(path.read_bytes(), dtype=np.uint8) for path in paths}
 
 
@@ -74,11 +83,11 @@ def _asked(sizes: FabricationParameters) -> dict[str, Any]:
 
 
 def _measured(puzzle: Built) -> dict[str, Any]:
-    made, certificate = puzzle.design, puzzle.certificate
+    design, certificate = puzzle.design, puzzle.certificate
     pieces = [check for check in certificate.parts if not math.isnan(check.wall)]
     motion = certificate.motion
     return {
-        **_asked(made.parameters),
+        **_asked(design.parameters),
         "changes": list(puzzle.changes),
         "parts": sum(check.count for check in certificate.parts),
         "components": max(check.components for check in certificate.parts),
@@ -88,7 +97,65 @@ def _measured(puzzle: Built) -> dict[str, Any]:
         "proven_gap": motion.floor if motion.proven else None,
         "overlap": motion.overlap,
         "poses": motion.poses,
-        "pin_hinges": sum(pin.count for pin in made.pins),
-        "telescopic_hinges": made.sleeves,
-        "warnings": list(made.warnings),
+        "pin_hinges": sum(pin.count for pin in design.pins),
+        "telescopic_hinges": design.sleeves,
+        "warnings": list(design.warnings),
     }
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each of the least deformed certified transforms; with paperwork, from their pictures too."""
+    motions = {item.members: item for item in progress.work["motion"]}
+    best = [motions[item.members] for item in least_deformed(progress, progress.config.fabricate.top)]
+    if not progress.config.fabricate.paper:
+        return [progress.recipes["fabricate"].after(motion) for motion in best]
+    return [after_motion(progress, "fabricate", motion) for motion in best]
+
+
+MM, MM3 = "mm", "mm3"
+
+STAGE = Stage(
+    name="fabricate",
+    unit="best transforms",
+    after=("motion", "paint"),
+    parameters=("fabricate.sizes", "fabricate.fix", "fabricate.paper"),
+    items=items,
+    run=run,
+    scope="pair",
+    known_after="construct",
+    wanted=lambda config: config.fabricate.top > 0,
+    at_most=lambda config: min(config.fabricate.top, config.select.top),
+    tables=(
+        TableColumns(
+            "fabrications",
+            (
+                Column(
+                    "status", "string", "certified, failed (a check of its certificate), or refused (cannot be made)"
+                ),
+                Column("reason", "string", "why it failed or was refused, one word"),
+                Column("message", "string", "why, in words, and which parameter would mend it"),
+                Column("size", "float64", "long side of the larger shape", MM),
+                Column("thickness", "float64", "of the pieces, in whole layers of the printer", MM),
+                Column("pin", "float64", "diameter of the pins", MM),
+                Column("changes", "list<string>", "parameters that were changed to make it (fabricate.fix)"),
+                Column("parts", "int16", "parts to print, pins and sleeves among them", "count"),
+                Column("components", "int16", "greatest number of connected solids in one part: 1", "count"),
+                Column("volume", "float64", "of all pieces, pins and sleeves aside", MM3),
+                Column("least_wall", "float64", "least width of a piece's layer where much hangs on it", MM),
+                Column(
+                    "least_gap", "float64", "least gap of two pieces found among samples of the motion; null = none", MM
+                ),
+                Column(
+                    "proven_gap", "float64", "what pieces keep apart at every moment, proven; null = not proven", MM
+                ),
+                Column("overlap", "float64", "greatest volume of two parts in common, at the poses cut", MM3),
+                Column("poses", "int16", "poses of the motion at which the solids were cut with each other", "count"),
+                Column("pin_hinges", "int8", "hinges with a pin", "count"),
+                Column("telescopic_hinges", "int8", "hinges that lift", "count"),
+                Column("warnings", "list<string>", "what is weak or lost"),
+            ),
+            lambda artifact: artifact.document,
+            "Puzzles of the best transforms (paper §4.4), made as `fabricate` asks; none with fabricate.top=0.",
+        ),
+    ),
+)

@@ -1,37 +1,80 @@
-"""The motion of one certified construction: its ``.riot`` text with the plan, and what the tables say of it."""
+"""The motion of one certified construction: how its pieces swing, without collision (paper Fig. 11; planner ours)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.stages.items import ErrorRow, attempt
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.construct import certified
+from pipeline.stages.shape_arrays import ErrorRow, attempt
+from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
-from riot.motion.planner import plan_motion
-from riot.transform.motion import Motion
-from riot.transform.riot_file import from_json, to_json
+from riot import motion, transform
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
     """A certified construction → a document: the ``.riot`` text with its motion, and the motion's row."""
-    (made,), (settings,) = inputs, parameters
-    transform = from_json(made.document["riot"])
+    (constructed,), (settings,) = inputs, parameters
+    puzzle = transform.riot_file.from_json(constructed.document["riot"])
     errors: list[ErrorRow] = []
-    motion = attempt(0, lambda: plan_motion(transform, settings), errors)
-    if motion is None:
+    plan = attempt(0, lambda: motion.planner.plan_motion(puzzle, settings), errors)
+    if plan is None:
         return Artifact({}, {"errors": errors})
-    return Artifact({}, {"riot": to_json(replace(transform, plan=motion)), **_row(motion)})
-
-
-def _row(motion: Motion) -> dict[str, Any]:
-    return {
-        "swings_flat": motion.flat,
-        "lifted_hinges": list(motion.lifted),
-        "open_hinge": motion.open_hinge,
-        "motion_search": motion.search,
+    row = {
+        "swings_flat": plan.flat,
+        "lifted_hinges": list(plan.lifted),
+        "open_hinge": plan.open_hinge,
+        "motion_search": plan.search,
     }
+    return Artifact({}, {"riot": transform.riot_file.to_json(replace(puzzle, plan=plan)), **row})
 
 
-COLUMNS = ("swings_flat", "lifted_hinges", "open_hinge", "motion_search")
-"""What `transforms` has of it."""
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each certified construction, in order."""
+    return [progress.recipes["motion"].after(item) for item in certified(progress)]
+
+
+def _row(artifact: Artifact) -> Mapping[str, Any]:
+    return {name: value for name, value in artifact.document.items() if name != "riot"}
+
+
+STAGE = Stage(
+    name="motion",
+    unit="certified transforms",
+    after=("construct",),
+    parameters=("motion",),
+    items=items,
+    run=run,
+    scope="pair",
+    known_after="construct",
+    bundle=16,
+    tables=(
+        TableColumns(
+            "transforms",
+            (
+                Column("swings_flat", "bool", "whether all pieces swing in one plane from P to Q, null = not planned"),
+                Column(
+                    "lifted_hinges",
+                    "list<int8>",
+                    "telescopic hinges: the pieces after one move a plane higher",
+                    "hinge",
+                ),
+                Column(
+                    "open_hinge",
+                    "int8",
+                    "the hinge that is open: hinge j is before piece j, null = not planned",
+                    "hinge",
+                ),
+                Column(
+                    "motion_search",
+                    "string",
+                    "which search found the motion, of several the last; null = not planned",
+                ),
+            ),
+            _row,
+        ),
+    ),
+)

@@ -1,20 +1,25 @@
-"""What the pieces of one transform look like whose inputs are colour pictures: their skins (theory §9)."""
+"""What the pieces of one transform look like whose inputs are colour pictures (theory §9)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.stages.items import ErrorRow, attempt
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.planning import after_motion
+from pipeline.stages.shape_arrays import ErrorRow, attempt
+from pipeline.stages.stage import Stage
 from pipeline.stages.textures import Pictures, read_textures
 from pipeline.store.artifact import AnyArray, Artifact
-from riot.draw.piece_image import PieceImage, PieceImages
+from riot import draw, transform
 from riot.draw.texture.names import SIDES
-from riot.draw.texture.sample import piece_images
-from riot.transform.riot_file import from_json
+
+if TYPE_CHECKING:
+    from riot.draw.piece_image import PieceImages
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures) -> Artifact:
@@ -24,23 +29,24 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures) -
     side is plain.
     """
     (planned,) = inputs
-    transform = from_json(planned.document["riot"])
+    puzzle = transform.riot_file.from_json(planned.document["riot"])
     errors: list[ErrorRow] = []
 
-    def painted() -> Artifact:
-        textures, refused = read_textures(transform, spec)
-        skins = piece_images(transform, textures)
-        return Artifact(pack_skins(skins), {"sides": sorted(skins), "refused": [asdict(each) for each in refused]})
+    def paint() -> Artifact:
+        textures, refused = read_textures(puzzle, spec)
+        skins = draw.texture.sample.piece_images(puzzle, textures)
+        document = {"sides": sorted(skins), "refused": [asdict(refusal) for refusal in refused]}
+        return Artifact(pack_skins(skins), document)
 
-    made = attempt(0, painted, errors)
-    return Artifact({}, {"errors": errors}) if made is None else made
+    painted = attempt(0, paint, errors)
+    return Artifact({}, {"errors": errors}) if painted is None else painted
 
 
 def pack_skins(skins: PieceImages) -> dict[str, AnyArray]:
-    """PieceImages as arrays: of side s and piece i ``s-i`` (rows, columns, 3) uint8 and ``s-i-box`` (4,) float64."""
+    """Images as arrays: of side s and piece i ``s-i`` (rows, columns, 3) uint8 and ``s-i-box`` (4,) float64."""
     arrays: dict[str, AnyArray] = {}
-    for side, some in skins.items():
-        for i, skin in enumerate(some):
+    for side, pieces in skins.items():
+        for i, skin in enumerate(pieces):
             arrays[f"{side}-{i}"], arrays[f"{side}-{i}-box"] = skin.pixels, np.array(skin.box)
     return arrays
 
@@ -49,7 +55,8 @@ def unpack_skins(arrays: Mapping[str, AnyArray], pieces: int) -> PieceImages:
     """What `pack_skins` packed, of a transform of so many pieces."""
     return {
         side: tuple(
-            PieceImage(np.array(arrays[f"{side}-{i}"]), _box(arrays[f"{side}-{i}-box"].tolist())) for i in range(pieces)
+            draw.piece_image.PieceImage(np.array(arrays[f"{side}-{i}"]), _box(arrays[f"{side}-{i}-box"].tolist()))
+            for i in range(pieces)
         )
         for side in SIDES
         if f"{side}-0" in arrays
@@ -59,3 +66,23 @@ def unpack_skins(arrays: Mapping[str, AnyArray], pieces: int) -> PieceImages:
 def _box(values: Sequence[float]) -> tuple[float, float, float, float]:
     x0, y0, x1, y1 = values
     return x0, y0, x1, y1
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each transform with a motion of whose inputs one may have colours, in order."""
+    work = [after_motion(progress, "paint", motion) for motion in progress.work["motion"]]
+    return [item for item in work if item.spec is not None]
+
+
+STAGE = Stage(
+    name="paint",
+    unit="transforms of colour pictures",
+    after=("motion",),
+    parameters=(),
+    items=items,
+    run=run,
+    scope="pair",
+    known_after="construct",
+    wanted=lambda config: config.dataset.kind == "folder",
+    bundle=4,
+)

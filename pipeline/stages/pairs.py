@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.partners import TYPES
 from pipeline.stages.qcrs import COLUMNS
-from pipeline.stages.specs import Starts
+from pipeline.stages.shards import searches
+from pipeline.stages.stage import Stage
 from pipeline.store.artifact import AnyArray, Artifact
+from pipeline.store.keys import digest_text
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Of every input the positions in the collection of its batch's first shape, and of its shard's."""
+
+    starts: tuple[tuple[int, int], ...]
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> Artifact:
@@ -20,10 +33,10 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
     (count,) = parameters
     parts: dict[str, list[AnyArray]] = {name: [np.empty(0, np.int64)] for name in COLUMNS}
     compared = 0
-    for (batch, shard), found in zip(spec.starts, inputs, strict=True):
-        compared += int(found.document["compared"])
+    for (batch, shard), partners in zip(spec.starts, inputs, strict=True):
+        compared += int(partners.document["compared"])
         for name in COLUMNS:
-            parts[name].append(found.arrays[name])
+            parts[name].append(partners.arrays[name])
         parts["i"][-1] = parts["i"][-1].astype(np.int64) + batch
         parts["j"][-1] = parts["j"][-1].astype(np.int64) + shard
     rows = {name: np.concatenate(part) for name, part in parts.items()}
@@ -33,7 +46,29 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
     low, high = np.minimum(rows["i"], rows["j"])[order], np.maximum(rows["i"], rows["j"])[order]
     # A pair found from both sides has the same row twice: both were scored from the earlier shape's side.
     pairs, first = np.unique(np.column_stack([low, high]), axis=0, return_index=True)
-    types = {"score": np.float64, "n": np.int8, "shift": np.int8}
-    kept = {name: rows[name][order][first].astype(types.get(name, np.int32)) for name in COLUMNS}
+    kept = {name: rows[name][order][first].astype(TYPES.get(name, np.int32)) for name in COLUMNS}
     kept |= {"i": pairs[:, 0].astype(np.int32), "j": pairs[:, 1].astype(np.int32)}
     return Artifact(kept, {"compared": compared})
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """One work item, which collects what the searches found that are done."""
+    recipe, found = progress.recipes["pairs"], progress.finished("partners")
+    shards = progress.work["shards"]
+    blocks = [item.block for item in found if item.block is not None]
+    spec = Starts(tuple((progress.batches[b].start, shards[s].members[0]) for b, s in blocks))
+    parts = recipe.parts([item.key for item in found], digest_text(repr(spec)))
+    return [recipe.item(parts, [item.reference for item in found], spec=spec)]
+
+
+STAGE = Stage(
+    name="pairs",
+    unit="collection of pairs",
+    after=("partners",),
+    parameters=("qcrs.k",),
+    items=items,
+    run=run,
+    scope="collection",
+    wanted=searches,
+    here=True,
+)

@@ -1,17 +1,24 @@
-"""Quick cross-reversibility scores of one block: all pairs of two batches, or of one with itself, or a part of them."""
+"""Quick cross-reversibility scores of a block: all pairs of two batches, or of one with itself (paper §5.2)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.plan.part import Part
+from pipeline.config.schema import Config
+from pipeline.plan.progress import Progress
+from pipeline.plan.sub_block import SubBlock
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.stage import Column, Stage, SubBlocks, TableColumns
 from pipeline.stages.trunk_arrays import unpack_batch_trunks
 from pipeline.store.artifact import Artifact
-from riot.scores.qcrs import BlockScores, TrunkStack, score_block, score_pairs, stack
+from riot import scores
+
+if TYPE_CHECKING:
+    from riot.scores.qcrs import BlockScores, TrunkStack
 
 COLUMNS = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
 
@@ -19,22 +26,23 @@ COLUMNS = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
 def prepare(batch: Artifact) -> TrunkStack:
     """Trunks of a batch as the scores read them, made once for all its blocks of a task."""
     starts, leaves = batch.arrays["leaf_offsets"].tolist(), np.array(batch.arrays["leaves"])
-    return stack(unpack_batch_trunks(batch), [leaves[a:b] for a, b in pairwise(starts)])
+    return scores.qcrs.stack(unpack_batch_trunks(batch), [leaves[a:b] for a, b in pairwise(starts)])
 
 
-def run(inputs: Sequence[TrunkStack], parameters: Sequence[Any], spec: bool | Part) -> Artifact:
+def run(inputs: Sequence[TrunkStack], parameters: Sequence[Any], spec: bool | SubBlock) -> Artifact:
     """Stacks of one batch (``spec``: with itself) or of two → a row for each pair, i and j local to their batches."""
     (settings,) = parameters
     stacks = list(inputs)
-    if isinstance(spec, Part):
-        return _rows(score_pairs(stacks[0], stacks[-1], np.array(list(spec.pairs()), dtype=np.int64), settings))
-    return _rows(score_block(stacks[0], stacks[-1], settings, same=spec))
+    if isinstance(spec, SubBlock):
+        pairs = np.array(list(spec.pairs()), dtype=np.int64)
+        return _rows(scores.qcrs.score_pairs(stacks[0], stacks[-1], pairs, settings))
+    return _rows(scores.qcrs.score_block(stacks[0], stacks[-1], settings, same=spec))
 
 
-def join(parts: Sequence[Artifact], lost: Sequence[Part]) -> Artifact:
+def join(parts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
     """What `run` makes of a block, from all its parts but those that were ``lost``: for their pairs see `unknown`."""
-    found = [*(part.arrays for part in parts), *(unknown(list(part.pairs())).arrays for part in lost)]
-    rows = {name: np.concatenate([arrays[name] for arrays in found]) for name in COLUMNS}
+    pieces = [*(part.arrays for part in parts), *(unknown(list(block.pairs())).arrays for block in lost)]
+    rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in COLUMNS}
     order = np.lexsort((rows["j"], rows["i"]))
     return Artifact({name: column[order] for name, column in rows.items()})
 
@@ -43,8 +51,68 @@ def unknown(pairs: Sequence[tuple[int, int]]) -> Artifact:
     """Rows of pairs that could not be scored: score nan; n, trunks and shift −1."""
     i, j = np.array(pairs, dtype=np.int32).reshape(-1, 2).T
     small, large = np.full(len(pairs), -1, dtype=np.int8), np.full(len(pairs), -1, dtype=np.int32)
-    return _rows(BlockScores(i, j, np.full(len(pairs), np.nan), small, large, large, small))
+    return _rows(scores.qcrs.BlockScores(i, j, np.full(len(pairs), np.nan), small, large, large, small))
 
 
-def _rows(scores: BlockScores) -> Artifact:
-    return Artifact({name: np.asarray(getattr(scores, name)) for name in COLUMNS})
+def _rows(block: BlockScores) -> Artifact:
+    return Artifact({name: np.asarray(getattr(block, name)) for name in COLUMNS})
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each two batches, and for each batch with itself."""
+    recipe, trunks = progress.recipes["qcrs"], progress.work["trunks"]
+    blocks = []
+    for a, first in enumerate(trunks):
+        for b, second in enumerate(trunks[a:], start=a):
+            both = (first,) if a == b else (first, second)
+            blocks.append(
+                recipe.item(
+                    recipe.parts([item.key for item in both]),
+                    [item.reference for item in both],
+                    spec=a == b,
+                    members=[position for item in both for position in item.members],
+                    block=(a, b),
+                )
+            )
+    return blocks
+
+
+def scores_all(config: Config) -> bool:
+    """Whether a run scores every pair."""
+    return config.qcrs.mode == "all"
+
+
+STAGE = Stage(
+    name="qcrs",
+    unit="blocks of pairs",
+    after=("trunks",),
+    parameters=("qcrs",),
+    items=items,
+    run=run,
+    scope="block",
+    prepare=prepare,
+    wanted=scores_all,
+    tile=8,
+    sub_blocks=SubBlocks(join, columns_are_shapes=True),
+    tables=(
+        TableColumns(
+            "qcrs",
+            (
+                Column("i", "int32", "first shape (P)", "shape number"),
+                Column("j", "int32", "second shape (Q)", "shape number"),
+                Column(
+                    "score",
+                    "float64",
+                    "QCRS; 0 when the two have no trunks of one size, nan where it was set aside",
+                    "score in [0, 1]",
+                ),
+                Column("n", "int8", "vertices of the two trunks, 0 = none, −1 = set aside (table of errors)", "count"),
+                Column("trunk_i", "int32", "the best pair's trunk of i, −1 = none", "trunk number"),
+                Column("trunk_j", "int32", "the best pair's trunk of j, −1 = none", "trunk number"),
+                Column("shift", "int8", "vertex k of trunk_i corresponds to (shift − k) mod n of trunk_j", "count"),
+            ),
+            lambda artifact: artifact.arrays,
+            "Quick cross-reversibility score of every pair i < j (paper §5.2).",
+        ),
+    ),
+)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
 from pipeline.stages.crs import unpack_scores
-from pipeline.stages.items import ErrorRow, attempt, expect_shape
+from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
+from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
-from riot.construction.choose import drop_without_contact, plan_pairs, refine_best, trunk_pairs
-from riot.construction.plan import Plan, TrunkPair
+from riot import construction
 from riot.errors import ConstructionError
 from riot.geometry.shape import Shape
+
+if TYPE_CHECKING:
+    from riot.construction.plan import Plan, TrunkPair
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, int]) -> Artifact:
@@ -26,25 +31,28 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     batch_p, batch_q, cross = inputs
     settings, spacing, allowed = parameters
     p, q = expect_shape(batch_p, spec[0]), expect_shape(batch_q, spec[1])
-    pairs = trunk_pairs(p, q, unpack_scores(cross), settings.reach)
+    choose = construction.choose
+    pairs = choose.trunk_pairs(p, q, unpack_scores(cross), settings.reach)
     errors: list[ErrorRow] = []
-    found = attempt(0, lambda: plan_pairs(pairs, settings), errors)
-    plans, unplanned = found if found is not None else ([], [])
-    refined = attempt(0, lambda: drop_without_contact(refine_best(plans, settings), spacing, allowed), errors)
-    best, failed = refined if refined is not None else ([], [])
+    plans, unplanned = attempt(0, lambda: choose.plan_pairs(pairs, settings), errors) or ([], [])
+
+    def refined() -> tuple[list[Plan], list[ConstructionError]]:
+        return choose.drop_without_contact(choose.refine_best(plans, settings), spacing, allowed)
+
+    best, failed = attempt(0, refined, errors) or ([], [])
     return Artifact(
         {
             "bounds": np.array([[plan.bound_p, plan.bound_q] for plan in best]).reshape(-1, 2),
-            "which": np.array([_place(plan.pair, pairs) for plan in best], dtype=np.int64),
+            "which": np.array([_number(plan.pair, pairs) for plan in best], dtype=np.int64),
             "offsets": np.cumsum([0, *(plan.trunks.shape[1] for plan in best)], dtype=np.int64),
             "trunks": np.concatenate([np.empty((0, 4)), *(np.hstack(list(plan.trunks)) for plan in best)]),
         },
-        {"errors": errors, "reasons": [[one.reason, str(one)] for one in (*failed, *unplanned)]},
+        {"errors": errors, "reasons": [[error.reason, str(error)] for error in (*failed, *unplanned)]},
     )
 
 
-def _place(pair: TrunkPair, pairs: Sequence[TrunkPair]) -> int:
-    return next(place for place, other in enumerate(pairs) if other is pair)
+def _number(pair: TrunkPair, pairs: Sequence[TrunkPair]) -> int:
+    return next(number for number, other in enumerate(pairs) if other is pair)
 
 
 def bound(artifact: Artifact) -> float:
@@ -56,9 +64,9 @@ def unpack_plans(
     artifact: Artifact, cross: Artifact, p: Shape, q: Shape, reach: float
 ) -> tuple[list[Plan], list[ConstructionError]]:
     """The plans that `run` made, and why there are no others."""
-    pairs, arrays = trunk_pairs(p, q, unpack_scores(cross), reach), artifact.arrays
+    pairs, arrays = construction.choose.trunk_pairs(p, q, unpack_scores(cross), reach), artifact.arrays
     plans = [
-        Plan(pairs[which], np.stack([trunk[:, :2], trunk[:, 2:]]), float(bounds[0]), float(bounds[1]))
+        construction.plan.Plan(pairs[which], np.stack([trunk[:, :2], trunk[:, 2:]]), float(bounds[0]), float(bounds[1]))
         for which, trunk, bounds in zip(
             arrays["which"],
             np.split(np.array(arrays["trunks"]), arrays["offsets"][1:-1]),
@@ -67,3 +75,39 @@ def unpack_plans(
         )
     ]
     return plans, [ConstructionError(reason, message) for reason, message in artifact.document["reasons"]]
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each pair with a CRS, in order."""
+    recipe = progress.recipes["refine"]
+    return [
+        recipe.item(
+            recipe.parts([cross.key]), [*cross.sources[:2], cross.reference], spec=cross.spec, members=cross.members
+        )
+        for cross in progress.work["crs"]
+    ]
+
+
+STAGE = Stage(
+    name="refine",
+    unit="pairs",
+    after=("crs",),
+    parameters=("refine", "construct.spacing", "construct.max_lost_contact"),
+    items=items,
+    run=run,
+    scope="pair",
+    known_after="select",
+    at_most=lambda config: config.select.breadth * config.select.top,
+    bundle=4,
+    tables=(
+        TableColumns(
+            "crs",
+            (
+                Column(
+                    "bound", "float64", "greatest IoU of the worse shape on refined trunks, 0 = no trunks will do", "1"
+                ),
+            ),
+            lambda artifact: {"bound": bound(artifact)},
+        ),
+    ),
+)

@@ -9,8 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.stages.specs import Selecting
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
+from pipeline.store.keys import digest_text
 from riot.types import FloatArray, IntArray
 
 Block = tuple[IntArray, IntArray, FloatArray]
@@ -25,7 +28,20 @@ class Chosen(NamedTuple):
 
 
 FIRST_POOL = 50_000
+"""So many of the best pairs are held at first (a pair takes 24 bytes): seldom do the limits use up more."""
+
 GROWTH = 8
+"""By this factor the pool grows when they do: few readings, and never much more than is needed."""
+
+
+@dataclass(frozen=True)
+class Selecting:
+    """What selection knows of the collection: classes by position; where each batch starts; the inputs' batches."""
+
+    classes: tuple[str, ...]
+    starts: tuple[int, ...]
+    blocks: tuple[tuple[int, int], ...]
+    rated: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -80,8 +96,8 @@ def _rows(pool: Block, places: slice | list[int]) -> Chosen:
 def labels(classes: Sequence[str]) -> IntArray:
     """A number for every class, by position; class "" differs from every class, itself too."""
     numbers: dict[str, int] = {}
-    found = [numbers.setdefault(name or f"\0{position}", len(numbers)) for position, name in enumerate(classes)]
-    return np.array(found, dtype=np.int64)
+    label = [numbers.setdefault(name or f"\0{position}", len(numbers)) for position, name in enumerate(classes)]
+    return np.array(label, dtype=np.int64)
 
 
 def greedy(i: IntArray, j: IntArray, label: IntArray, limits: Limits) -> list[int]:
@@ -89,15 +105,15 @@ def greedy(i: IntArray, j: IntArray, label: IntArray, limits: Limits) -> list[in
     shapes: Counter[int] = Counter()
     class_pairs: Counter[tuple[int, int]] = Counter()
     chosen: list[int] = []
-    for place, (one, other) in enumerate(zip(i.tolist(), j.tolist(), strict=True)):
-        low, high = sorted((int(label[one]), int(label[other])))
+    for place, (first, second) in enumerate(zip(i.tolist(), j.tolist(), strict=True)):
+        low, high = sorted((int(label[first]), int(label[second])))
         if class_pairs[low, high] >= limits.per_class_pair:
             continue
-        if max(shapes[one], shapes[other]) >= limits.per_shape:
+        if max(shapes[first], shapes[second]) >= limits.per_shape:
             continue
         class_pairs[low, high] += 1
-        shapes[one] += 1
-        shapes[other] += 1
+        shapes[first] += 1
+        shapes[second] += 1
         chosen.append(place)
         if len(chosen) == limits.top:
             break
@@ -154,3 +170,45 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) 
         limits = Limits(*(breadth * most for most in (settings.top, settings.per_class_pair, settings.per_shape)))
         chosen = select_global(blocks, spec.classes, limits)
     return Artifact({"pairs": chosen.pairs, "score": chosen.score})
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """One work item over the blocks that are done; unlike the other keys, its key holds the classes in order.
+
+    With ``qcrs.mode=topk`` it is over the collected pairs, done or not, which number shapes by position, as the first
+    batch does. A pair that is among the k best of all is among the k best of both its shapes: what is selected is what
+    would be of all pairs as long as neither the limits nor the classes reach below any shape's k best.
+    """
+    if "pairs" in progress.work:
+        blocks = dict.fromkeys([(0, 0)], progress.work["pairs"][0]) if progress.batches else {}
+    else:
+        blocks = {item.block: item for item in progress.finished("qcrs") if item.block is not None}
+    ratings = progress.work["reversibility"]
+    rated = [number for number, item in enumerate(ratings) if item.reference in progress.done]
+    sources = [*blocks.values(), *(ratings[number] for number in rated)]
+    starts = tuple(batch.start for batch in progress.batches)
+    spec = Selecting(progress.classes, starts, tuple(blocks), tuple(rated))
+    recipe = progress.recipes["select"]
+    # A digest instead of the spec itself: the manifest need not repeat every class.
+    parts = recipe.parts([item.key for item in sources], digest_text(repr(spec)))
+    return [recipe.item(parts, [item.reference for item in sources], spec=spec)]
+
+
+def selected(progress: Progress) -> Chosen:
+    """The pairs that a finished selection chose, best first, with their scores; none if it failed."""
+    for item in progress.finished("select"):
+        arrays = progress.read(item).arrays
+        return Chosen(np.array(arrays["pairs"]), np.array(arrays["score"]))
+    return Chosen(np.empty((0, 2), dtype=np.int64), np.empty(0))
+
+
+STAGE = Stage(
+    name="select",
+    unit="selection",
+    after=("qcrs", "pairs", "reversibility"),
+    parameters=("select",),
+    items=items,
+    run=run,
+    scope="collection",
+    here=True,
+)

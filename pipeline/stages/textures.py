@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pipeline.datasets.item import Item
 from pipeline.stages.ingest import check_unchanged
+from riot import draw
 from riot.draw.texture.names import SIDES, Side
-from riot.draw.texture.paint import PictureTexture, picture_texture
-from riot.draw.texture.source import TextureError
 from riot.errors import SilhouetteError
-from riot.transform.transform import Transform
+
+if TYPE_CHECKING:
+    from riot.draw.texture.paint import PictureTexture
+    from riot.transform.transform import Transform
 
 Pictures = tuple[Item | None, Item | None]
 """The pictures of P and of Q; None for one without colours."""
@@ -35,18 +38,18 @@ def read_textures(transform: Transform, pictures: Pictures) -> tuple[Mapping[Sid
 
     Raises RuntimeError for a file that changed since the run was planned.
     """
-    found: dict[Side, PictureTexture] = {}
+    textures: dict[Side, PictureTexture] = {}
     refused = []
     for side, item in zip(SIDES, pictures, strict=True):
         if item is None:
             continue
         check_unchanged(item)
         try:
-            texture = picture_texture(item.source, transform, side)
-        except (TextureError, SilhouetteError) as error:
+            texture = draw.texture.paint.picture_texture(item.source, transform, side)
+        except (draw.texture.source.TextureError, SilhouetteError) as error:
             # Where the collection lies is no part of what is kept.
             refused.append(Refusal(side, error.reason, str(error).replace(str(Path(item.source)), item.name)))
             continue
         if float(texture.pixels.reshape(-1, 3).std(axis=0).max()) >= LEAST_CONTRAST:
-            found[side] = texture
-    return found, refused
+            textures[side] = texture
+    return textures, refused

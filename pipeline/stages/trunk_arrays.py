@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pipeline.store.artifact import AnyArray, Artifact
-from riot.scores.trunks import Trunks
+from riot import scores
 
-NO_TRUNKS = Trunks(np.zeros(1, np.int64), np.empty(0, np.int32), *(np.empty(0) for _ in range(4)))
-"""What a shape has that failed before."""
+if TYPE_CHECKING:
+    from riot.scores.trunks import Trunks
 
 CORNERS = ("vertices", "edges", "alphas", "thetas")
 """Fields of `Trunks` with an entry for each corner."""
 
 
+def no_trunks() -> Trunks:
+    """The trunks of a shape that failed before: none."""
+    return scores.trunks.Trunks(np.zeros(1, np.int64), np.empty(0, np.int32), *(np.empty(0) for _ in range(4)))
+
+
 def pack_trunks(stack: Sequence[Trunks | None]) -> dict[str, AnyArray]:
     """Trunks of the shapes of a batch as arrays: ``trunk_offsets`` (k+1,) int64 into the concatenated `Trunks`."""
-    empty = NO_TRUNKS
+    empty = no_trunks()
     present = [trunks if trunks is not None else empty for trunks in stack]
     counts = np.array([len(trunks) for trunks in present], dtype=np.int64)
     sizes = np.concatenate([np.empty(0, np.int64), *(np.diff(trunks.offsets) for trunks in present)])
@@ -39,7 +45,7 @@ def unpack_trunks(artifact: Artifact, index: int) -> Trunks:
     first, last = int(arrays["trunk_offsets"][index]), int(arrays["trunk_offsets"][index + 1])
     low, high = int(arrays["offsets"][first]), int(arrays["offsets"][last])
     # Copies: compiled kernels would compile a second time for read-only arrays.
-    return Trunks(
+    return scores.trunks.Trunks(
         offsets=arrays["offsets"][first : last + 1] - low,
         areas=np.array(arrays["areas"][first:last]),
         **{name: np.array(arrays[name][low:high]) for name in CORNERS},
@@ -54,7 +60,7 @@ def unpack_batch_trunks(artifact: Artifact) -> list[Trunks]:
     areas = np.array(artifact.arrays["areas"])
     corners = {name: np.array(artifact.arrays[name]) for name in CORNERS}
     return [
-        Trunks(
+        scores.trunks.Trunks(
             offsets=offsets[first : last + 1] - low,
             areas=areas[first:last],
             **{name: array[low:high] for name, array in corners.items()},

@@ -1,46 +1,113 @@
-"""The trunks of one batch of shapes that QCRS compares."""
+"""The trunks of a batch of shapes that QCRS compares (paper §4.1, §5.2)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.stages.items import ErrorRow, attempt, count_shapes, unpack_shape
-from pipeline.stages.trunk_arrays import NO_TRUNKS, pack_trunks
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.planning import after_each
+from pipeline.stages.shape_arrays import ErrorRow, attempt, count_shapes, unpack_shape
+from pipeline.stages.stage import Column, Ragged, Stage, TableColumns
+from pipeline.stages.trunk_arrays import no_trunks, pack_trunks
 from pipeline.store.artifact import AnyArray, Artifact
+from riot import scores
 from riot.geometry.shape import Shape
-from riot.scores.leaves import gather_leaves
-from riot.scores.reversibility import reversibility
-from riot.scores.trunks import Trunks, compared_trunks
-from riot.scores.vertices import sparse_points
+
+if TYPE_CHECKING:
+    from riot.scores.trunks import Trunks
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
-    """Batch of shapes → arrays of `pipeline.stages.trunk_arrays.pack_trunks`, and ``sparse`` (k,) int64: point counts.
+    """Batch of shapes → arrays of `pack_trunks`, and ``sparse`` (k,) int64: numbers of sparse points.
 
     And ``leaves`` (l, 16) int32 from ``leaf_offsets`` (k + 1,) int64, every shape's trunks gathered for the search.
     """
     (batch,), (settings, necks, variant) = inputs, parameters
     errors: list[ErrorRow] = []
-    found: list[Trunks | None] = []
+    trunks: list[Trunks | None] = []
     sparse = np.zeros(count_shapes(batch), dtype=np.int64)
     for index in range(count_shapes(batch)):
         shape = unpack_shape(batch, index)
         if shape is None:
-            found.append(None)
+            trunks.append(None)
             continue
 
-        def trunks(shape: Shape = shape) -> Trunks:
-            return compared_trunks(shape, variant, settings, lambda: reversibility(shape, necks))
+        def compared(shape: Shape = shape) -> Trunks:
+            return scores.trunks.compared_trunks(
+                shape, variant, settings, lambda: scores.reversibility.reversibility(shape, necks)
+            )
 
-        found.append(attempt(index, trunks, errors))
-        points = attempt(index, lambda shape=shape: sparse_points(shape, settings), [])  # type: ignore[misc]
+        trunks.append(attempt(index, compared, errors))
+        points = attempt(index, lambda shape=shape: scores.vertices.sparse_points(shape, settings), [])  # type: ignore[misc]
         sparse[index] = 0 if points is None else len(points)
-    leaves = [gather_leaves(NO_TRUNKS if each is None else each) for each in found]
+    leaves = [scores.leaves.gather_leaves(no_trunks() if stack is None else stack) for stack in trunks]
     arrays: dict[str, AnyArray] = {
         "leaves": np.concatenate(leaves),
-        "leaf_offsets": np.cumsum([0, *(len(each) for each in leaves)], dtype=np.int64),
+        "leaf_offsets": np.cumsum([0, *map(len, leaves)], dtype=np.int64),
     }
-    return Artifact({**pack_trunks(found), **arrays, "sparse": sparse}, {"errors": errors})
+    return Artifact({**pack_trunks(trunks), **arrays, "sparse": sparse}, {"errors": errors})
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each batch."""
+    return after_each(progress, "trunks", "ingest")
+
+
+def _counts(artifact: Artifact) -> Mapping[str, Any]:
+    return {"sparse_points": artifact.arrays["sparse"], "trunks": np.diff(artifact.arrays["trunk_offsets"])}
+
+
+def _trunks(artifact: Artifact) -> Mapping[str, Any]:
+    arrays = artifact.arrays
+    counts, offsets, total = np.diff(arrays["trunk_offsets"]), arrays["offsets"], len(arrays["areas"])
+    return {
+        "index": np.repeat(np.arange(len(counts)), counts),
+        "trunk": np.arange(total) - np.repeat(arrays["trunk_offsets"][:-1], counts),
+        "n": np.diff(offsets),
+        "area": arrays["areas"],
+        "perimeter": np.add.reduceat(arrays["edges"], offsets[:-1]) if total else np.empty(0),
+        "vertices": Ragged(offsets, arrays["vertices"]),
+    }
+
+
+STAGE = Stage(
+    name="trunks",
+    unit="batches of shapes",
+    after=("ingest",),
+    parameters=("trunks", "reversibility", "qcrs.variant"),
+    items=items,
+    run=run,
+    scope="batch",
+    bundle=8,
+    tables=(
+        TableColumns(
+            "shapes",
+            (
+                Column("sparse_points", "int32", "sparse boundary points, candidates for trunk vertices", "count"),
+                Column(
+                    "trunks",
+                    "int32",
+                    "trunks that QCRS compares (tuned: full ones, else quick ones); with none, its every QCRS is 0",
+                    "count",
+                ),
+            ),
+            _counts,
+        ),
+        TableColumns(
+            "trunks",
+            (
+                Column("trunk", "int32", "number within the shape", "trunk number"),
+                Column("n", "int8", "vertices", "count"),
+                Column("area", "float64", "area of the trunk; the shape's is 1", "unit-area frame"),
+                Column("perimeter", "float64", "sum of the edge lengths", "unit-area frame"),
+                Column("vertices", "list<int32>", "vertices, counter-clockwise", "index of boundary point"),
+            ),
+            _trunks,
+            "Quick trunks, by shape and then by number of vertices and area.",
+        ),
+    ),
+)

@@ -1,14 +1,19 @@
-"""Full trunks of one selected shape."""
+"""Full trunks of one selected shape (paper §4.1)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-from pipeline.stages.items import ErrorRow, attempt, expect_shape
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.ingest import shape_key
+from pipeline.stages.select import selected
+from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
+from pipeline.stages.stage import Stage
 from pipeline.stages.trunk_arrays import pack_trunks
 from pipeline.store.artifact import Artifact
-from riot.scores.trunks import full_trunks
+from riot import scores
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: int) -> Artifact:
@@ -16,4 +21,31 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: int) -> Art
     (batch,), (settings,) = inputs, parameters
     errors: list[ErrorRow] = []
     shape = expect_shape(batch, spec)
-    return Artifact(pack_trunks([attempt(0, lambda: full_trunks(shape, settings), errors)]), {"errors": errors})
+    trunks = attempt(0, lambda: scores.trunks.full_trunks(shape, settings), errors)
+    return Artifact(pack_trunks([trunks]), {"errors": errors})
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each shape of the selected pairs, by position."""
+    recipe, ingest = progress.recipes["trunks_full"], progress.work["ingest"]
+    work = []
+    for position in sorted({int(position) for position in selected(progress).pairs.ravel()}):
+        batch, index = progress.locate(position)
+        # Named after the shape and not after its batch, so that it stays when the batch changes.
+        parts = recipe.parts([shape_key(progress, position)])
+        work.append(recipe.item(parts, [ingest[batch].reference], spec=index, members=[position]))
+    return work
+
+
+STAGE = Stage(
+    name="trunks_full",
+    unit="shapes",
+    after=("select",),
+    parameters=("trunks",),
+    items=items,
+    run=run,
+    scope="shape",
+    known_after="select",
+    at_most=lambda config: 2 * config.select.breadth * config.select.top,
+    bundle=16,
+)

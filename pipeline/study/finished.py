@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from pipeline.config.schema import Config
 from pipeline.errors import StartError
 from pipeline.match.search import Mined, open_mined
-from pipeline.stages.items import count_shapes, unpack_shape
+from pipeline.stages.shape_arrays import count_shapes, unpack_shape
 from pipeline.tables import schemas as tables
 from riot.geometry.shape import Shape
 from riot.types import FloatArray, IntArray
@@ -57,7 +57,9 @@ class Finished:
     def quick(self) -> pa.Table:
         """i, j, score of every pair that the run scored."""
         columns = ["i", "j", "score"]
-        return ds.dataset(self.mined.folder / "qcrs", tables.QCRS, format="parquet").to_table(columns=columns)
+        return ds.dataset(self.mined.folder / "qcrs", tables.SCHEMAS["qcrs"], format="parquet").to_table(
+            columns=columns
+        )
 
     def quick_scores(self, pairs: IntArray) -> FloatArray:
         """(k,) QCRS of ``pairs`` (k, 2), i < j, nan where the run set a pair aside.

@@ -12,10 +12,10 @@ from omegaconf import OmegaConf
 from pipeline.config.command_line import check_command, complete
 from pipeline.config.schema import build
 from pipeline.errors import ConfigError
-from pipeline.flow import run_folder
 from pipeline.study.contents import write_contents
 from pipeline.study.findings import Findings, write_findings
 from pipeline.study.finished import Finished
+from pipeline.tables.outputs import run_folder
 from pipeline.tables.record import STUDY
 from riot.kernels.warm import warm_all
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pipeline.plan.plan import shape_key
+from pipeline.stages.ingest import shape_key
 from pipeline.store.artifact import canonical_json
 from pipeline.store.keys import digest_text
 from pipeline.tables.results import Results
@@ -17,17 +17,22 @@ OF_PAIR = ("crs", "refine", "construct", "motion")
 
 def pair_history(results: Results, pair: tuple[int, ...]) -> History:
     """From what a run's transform of a pair comes: the same in any run that has it, whatever else was in it."""
-    plan, keys = results.plan, _keys(results, pair)
+    progress, keys = results.progress, _keys(results, pair)
     versions: dict[str, str] = {}
     for stage in keys:
-        versions |= plan.recipes[stage].versions
-    first, second = (plan.items[position].digest for position in pair)
+        versions |= progress.recipes[stage].versions
+    first, second = (progress.items[position].digest for position in pair)
     return History(
         maker="pipeline.run",
         pictures=(first, second),
         steps=tuple(
-            Step(stage, plan.recipes[stage].values, digest_text(canonical_json(plan.recipes[stage].code)), found)
-            for stage, found in keys.items()
+            Step(
+                stage,
+                progress.recipes[stage].values,
+                digest_text(canonical_json(progress.recipes[stage].code)),
+                of_stage,
+            )
+            for stage, of_stage in keys.items()
         ),
         versions=dict(sorted(versions.items())),
     )
@@ -41,12 +46,12 @@ def with_history(text: str | None, history: History) -> str | None:
 def _keys(results: Results, pair: tuple[int, ...]) -> dict[str, tuple[str, ...]]:
     """Keys of P's and Q's shapes and trunks, then those of the pair, by stage."""
     trunks = {item.members: item.key for item in results.work["trunks_full"]}
-    found = {
-        "ingest": tuple(shape_key(results.plan, position) for position in pair),
+    keys = {
+        "ingest": tuple(shape_key(results.progress, position) for position in pair),
         "trunks_full": tuple(trunks[position,] for position in pair),
     }
     for stage in OF_PAIR:
-        done = tuple(i.key for i in results.work[stage] if i.members == pair and i.reference in results.done)
+        done = tuple(item.key for item in results.progress.finished(stage) if item.members == pair)
         if done:
-            found[stage] = done
-    return found
+            keys[stage] = done
+    return keys

@@ -14,12 +14,18 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from pipeline.config.schema import Config
 from pipeline.store.filesystem.local import LocalFiles
 from pipeline.store.store import TEMPORARY
 from pipeline.tables import schemas as tables
 from pipeline.tables.results import Row
 
 NAME_LENGTH = 40
+
+
+def run_folder(config: Config) -> Path:
+    """Where the tables of a run go."""
+    return config.outputs / config.dataset.name
 
 
 def write_table(folder: Path, name: str, batches: Iterable[pa.Table]) -> Path:

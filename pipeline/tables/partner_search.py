@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING
 
+import pyarrow as pa
+
+from pipeline.tables import schemas as tables
 from pipeline.tables.messages import several
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 
 @dataclass(frozen=True)
@@ -46,15 +45,13 @@ class Search:
         )
 
     def schema(self) -> pa.Schema:
-        """`pipeline.tables.schemas.QCRS` with these numbers and another meaning in its metadata."""
-        from pipeline.tables import schemas as tables  # here: a plan, which comes by this module, makes no table
-
+        """The schema of `qcrs` with these numbers and another meaning in its metadata."""
         told = asdict(self)
         if not self.missed:
             del told["missed"]  # as a rule: the table of a search without failures says nothing of them
         said = {name.encode(): str(value).encode() for name, value in told.items()}
         meaning = f"Quick cross-reversibility score (paper §5.2) of {self.meaning} (ours).".encode()
-        return tables.QCRS.with_metadata({**tables.QCRS.metadata, b"meaning": meaning, **said})
+        return tables.SCHEMAS["qcrs"].with_metadata({**tables.SCHEMAS["qcrs"].metadata, b"meaning": meaning, **said})
 
 
 def read_search(metadata: Mapping[bytes, bytes] | None) -> Search | None:

@@ -41,10 +41,9 @@ def write_puzzles(results: Results, transforms: Sequence[Row], folder: Path) -> 
         rows.append(_row(transform, artifact.document, place))
     replace_folder(temporary, folder / FOLDER)
     rows.sort(key=lambda row: int(row["rank"]))
-    return [write_table(folder, "fabrications", [from_rows(tables.FABRICATIONS, rows)]), *files]
+    return [write_table(folder, "fabrications", [from_rows(tables.SCHEMAS["fabrications"], rows)]), *files]
 
 
 def _row(transform: Row, document: Mapping[str, object], place: str) -> Row:
-    # The document has the other columns of the table, whose names need no stage to be loaded.
-    own = [name for name in tables.FABRICATIONS.names if name not in (*SHARED, "folder")]
+    own = [name for name in tables.SCHEMAS["fabrications"].names if name not in (*SHARED, "folder")]
     return {**{name: transform[name] for name in SHARED}, **{name: document.get(name) for name in own}, "folder": place}

@@ -10,7 +10,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from pipeline.plan.code_digest import code_digests
+from pipeline.plan.code_digest import code_digests, file_digest
+from pipeline.stages.all import STAGES
 from pipeline.store.artifact import canonical_json
 from pipeline.store.keys import digest_bytes, digest_text
 from pipeline.store.store import write_atomically
@@ -43,9 +44,11 @@ LIBRARIES = (
 
 def outcome_digest(results: Results, assets: str) -> str:
     """Digest of everything that the tables and the report show, times aside; ``assets`` is that of the templates."""
-    items = [[item.name, item.cls, results.source(item), item.digest] for item in results.plan.items]
-    work = [[*item.reference, item.reference in results.done] for items in results.work.values() for item in items]
+    items = [[item.name, item.cls, item.shown_source, item.digest] for item in results.progress.items]
+    done = results.progress.done
+    work = [[*item.reference, item.reference in done] for items in results.work.values() for item in items]
     code = {name: digest for module in SHOWING for name, digest in code_digests(module).items()}
+    code |= {stage.module: file_digest(stage.module) for stage in STAGES}  # which tell what tables show of them
     return digest_text(
         canonical_json([VERSION, items, work, results.errors, code, assets, metadata.version("pyarrow")])
     )
@@ -61,7 +64,7 @@ def write_record(
 ) -> None:
     """Write ``artifacts.json`` (the keys that the run stands on) and then ``run.json``, the run's commit."""
     keys: dict[str, list[str]] = {}
-    for stage, key in sorted(results.done):
+    for stage, key in sorted(results.progress.done):
         keys.setdefault(stage, []).append(key)
     write_atomically(folder / ARTIFACTS, json.dumps(keys, indent=0).encode())
     record = {
@@ -70,7 +73,7 @@ def write_record(
         "dataset": results.collection.name,
         "outcome": digest,
         "exit_code": exit_code,
-        "configuration": plain_config(results.plan.config),
+        "configuration": plain_config(results.config),
         "store": results.store.text,  # the configuration's may be relative to where the run was started
         "versions": {
             "riot": metadata.version("riot-shapes"),
@@ -107,12 +110,12 @@ def counts(results: Results) -> dict[str, int]:
     }
     shapes = results.shapes
     return {
-        "items": len(results.plan.items) + len(results.collection.rejected),
+        "items": len(results.progress.items) + len(results.collection.rejected),
         "ignored_files": results.collection.ignored,
         "shapes": shapes,
         "classes": results.classes,
         "without_trunks": results.without_trunks,
-        "rejected_items": len(results.plan.items) + len(results.collection.rejected) - shapes,
+        "rejected_items": len(results.progress.items) + len(results.collection.rejected) - shapes,
         "pairs": shapes * (shapes - 1) // 2,
         "selected": len(results.pairs),
         "certified": statuses.count("certified"),

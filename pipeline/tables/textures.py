@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.errors import PayloadError
+from pipeline.stages.paint import unpack_skins
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.store.store import write_atomically
 from pipeline.tables.outputs import new_place, replace_folder
@@ -40,8 +41,6 @@ def read_skins(folder: Path, transform_file: str, pieces: int) -> PieceImages:
     """The skins of a transform of so many pieces in a run's folder; plain ones if there is no whole file of them."""
     try:
         arrays = decode((folder / FOLDER / (Path(transform_file).stem + SUFFIX)).read_bytes()).arrays
-        from pipeline.stages.paint import unpack_skins  # here: most runs have no colours
-
         return unpack_skins(arrays, pieces)
     except (OSError, PayloadError, KeyError):
         return NO_IMAGES

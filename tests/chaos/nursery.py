@@ -53,7 +53,7 @@ def _serve(connection: Connection) -> None:
     import pipeline.report.write
     import pipeline.study.contents
     from pipeline.plan.code_digest import code_digests, library_versions
-    from pipeline.stages.registry import STAGES
+    from pipeline.stages.all import STAGES
     from pipeline.tables.record import SHOWING
     from riot.kernels.warm import warm_all
 

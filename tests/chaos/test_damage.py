@@ -172,7 +172,7 @@ EDITED = """
 import sys
 from pathlib import Path
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.stages.registry import code_text, work_of
+from pipeline.stages.all import code_text, checked_stage
 from pipeline.stages import select
 module = "pipeline.stages.select"
 before = code_digests(module)
@@ -181,7 +181,7 @@ path = Path(sys.modules[module].__file__)
 path.write_text(path.read_text() + "\\nEDITED = 1\\n")
 assert code_digests(module) == before, "digests are those of the code that was loaded"
 try:
-    work_of("select", code_text(before, library_versions(module)))
+    checked_stage("select", code_text(before, library_versions(module)))
 except RuntimeError as error:
     assert "start the run again" in str(error)
 else:

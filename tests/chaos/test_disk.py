@@ -28,7 +28,7 @@ from pipeline.cli.cache import OK, main
 from pipeline.config.schema import ClusterConfig, Config
 from pipeline.errors import StorageError
 from pipeline.exit_codes import FAILED
-from pipeline.plan.plan import Reference
+from pipeline.plan.work_item import Reference
 from pipeline.run import _run
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts

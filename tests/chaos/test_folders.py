@@ -13,10 +13,10 @@ from chaos.conftest import Undisturbed
 from chaos.nursery import Nursery
 from chaos.victims import begun, mine, settings
 from integration.small_runs import digests
+from plans import planned
 
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetConfig, collect
-from pipeline.plan.plan import make_plan
 from pipeline.runtime.inputs import Kept
 from pipeline.runtime.worker import perform
 
@@ -30,12 +30,12 @@ def test_a_worker_elsewhere_finds_the_pictures(
 ) -> None:
     monkeypatch.chdir(undisturbed.where)
     config = relative(tmp_path)
-    plan = make_plan(config, collect(config.dataset))
+    ingest = planned(config, "ingest").work["ingest"]
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")  # as a worker that was started there
-    receipts = list(perform(str(config.store), plan.ingest, Kept()))
-    assert [receipt.failure for receipt in receipts] == [None] * len(plan.ingest)
-    assert {item.reference for item in plan.ingest} <= undisturbed.artifacts
+    receipts = list(perform(str(config.store), ingest, Kept()))
+    assert [receipt.failure for receipt in receipts] == [None] * len(ingest)
+    assert {item.reference for item in ingest} <= undisturbed.artifacts
 
 
 @pytest.mark.parametrize("root", ["pictures", "./pictures/../pictures", "."])

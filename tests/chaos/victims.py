@@ -17,8 +17,9 @@ import pipeline.runtime.worker
 from pipeline.config.schema import ClusterConfig, Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.flow import run_pipeline
-from pipeline.plan.plan import Reference
-from pipeline.stages.registry import Work, work_of
+from pipeline.plan.work_item import Reference
+from pipeline.stages.all import checked_stage
+from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
 from riot.parameters import RefineParameters
@@ -66,8 +67,8 @@ def mine(config: Config, log: Path, death: Death | None = None) -> None:
 def recording(log: Path, disturb: Callable[[str], None] = lambda stage: None) -> Iterator[None]:
     """While entered, work items of this process are written down as they begin, and then ``disturb`` is called."""
 
-    def recorded(stage: str, code: str) -> Work:
-        work = work_of(stage, code)
+    def recorded(stage: str, code: str) -> Stage:
+        work = checked_stage(stage, code)
 
         def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Any) -> Artifact:
             with log.open("ab", buffering=0) as stream:
@@ -77,12 +78,12 @@ def recording(log: Path, disturb: Callable[[str], None] = lambda stage: None) ->
 
         return replace(work, run=run)
 
-    perform_one = pipeline.runtime.worker.work_of
-    pipeline.runtime.worker.work_of = recorded  # type: ignore[assignment]
+    perform_one = pipeline.runtime.worker.checked_stage
+    pipeline.runtime.worker.checked_stage = recorded  # type: ignore[assignment]
     try:
         yield
     finally:
-        pipeline.runtime.worker.work_of = perform_one
+        pipeline.runtime.worker.checked_stage = perform_one
 
 
 def begun(log: Path) -> list[str]:

@@ -70,8 +70,8 @@ def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40, approxima
     ]
     blocks[5] |= {"score": 0.0, "n": 0}
     names = ["name_i", "name_j", "class_i", "class_j", "qcrs", "i", "j", "rank"]
-    write(folder / "qcrs" / "i_block=0000" / "part-0.parquet", tables.QCRS, blocks[:300])
-    write(folder / "qcrs" / "i_block=0001" / "part-0.parquet", tables.QCRS, blocks[300:])
+    write(folder / "qcrs" / "i_block=0000" / "part-0.parquet", tables.SCHEMAS["qcrs"], blocks[:300])
+    write(folder / "qcrs" / "i_block=0001" / "part-0.parquet", tables.SCHEMAS["qcrs"], blocks[300:])
     shape_rows = [{"shape": k, "name": f"s{k}", "class": f"c{k % 5}" if k else ""} for k in range(shapes)]
     write_table(folder, "shapes", shape_rows)
     write_table(folder, "reversibility", [{"shape": k, "score": rng.beta(6, 2)} for k in range(shapes)])

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from edited_project import ALL, OF_EACH_KIND, Edit, Project, finished_once
 
-import pipeline.plan.plan
+import pipeline.stages.shards
 from pipeline.cli.cache import OK, damaged, main, stale, usage
-from pipeline.plan.plan import Reference, WorkItem
+from pipeline.plan.work_item import Reference, WorkItem
 
 __all__ = ["finished_once"]
 
@@ -106,7 +106,7 @@ def test_accept_keeps_another_edit_s_work_to_do(project: Project) -> None:
 
 
 def test_accept_with_topk_redoes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline.plan.plan, "SHARD", 4)
+    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", 4)
     begun = Project.begin(tmp_path, monkeypatch)
     project = begun.configured(lambda c: replace(c, qcrs=replace(c.qcrs, mode="topk", k=3)))
     project.record(project.finish())

@@ -136,7 +136,7 @@ def test_a_parameter_redoes_what_reads_it_and_explains(copied: Path, root: Path)
     explained = run_here(copied, root, "crs.sigma_area=0.25", "compare=1", "--explain")
     assert explained.returncode == CLEAN
     assert "crs: 6 of 6 to do" in explained.stdout and "parameters.crs.sigma_area 0.3 → 0.25" in explained.stdout
-    assert "qcrs: all" in explained.stdout and "paper: known after construction" in explained.stdout
+    assert "qcrs: all" in explained.stdout and "paper: known after construct" in explained.stdout
     done = run_here(copied, root, "crs.sigma_area=0.25", "compare=1", "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     counts = stages(copied)

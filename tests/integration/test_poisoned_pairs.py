@@ -14,17 +14,17 @@ import pytest
 from small_runs import CLEAN, WITH_ERRORS, digests, pictures, table
 
 import pipeline.cli.cache
-import pipeline.plan.plan
 import pipeline.runtime.quarantine
 import pipeline.runtime.worker
+import pipeline.stages.shards
 from pipeline.config.schema import Config, make_config
 from pipeline.flow import Outcome, run_pipeline
-from pipeline.plan.part import Part
-from pipeline.plan.plan import Reference
+from pipeline.plan.sub_block import SubBlock
+from pipeline.plan.work_item import Reference
 from pipeline.runtime.events import Event, Note
-from pipeline.runtime.quarantine import OF_SHAPES
-from pipeline.stages.items import count_shapes
-from pipeline.stages.registry import Work, work_of
+from pipeline.stages.all import BY_NAME, checked_stage
+from pipeline.stages.shape_arrays import count_shapes
+from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import Store
 
@@ -45,10 +45,10 @@ class Planted:
     def __init__(self, root: Path, patch: pytest.MonkeyPatch) -> None:
         self.root, self.poison, self.begun, self.notes = root, (lambda *_: False), list[str](), list[str]()
         patch.setattr(pipeline.runtime.worker, "DEADLY", pipeline.runtime.worker.DEADLY | {"Died"})
-        patch.setattr(pipeline.runtime.worker, "work_of", self._work_of)
+        patch.setattr(pipeline.runtime.worker, "checked_stage", self._poisoned)
 
-    def _work_of(self, stage: str, code: str) -> Work:
-        work = work_of(stage, code)
+    def _poisoned(self, stage: str, code: str) -> Stage:
+        work = checked_stage(stage, code)
 
         def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Any) -> Artifact:
             if self.poison(stage, inputs, spec):
@@ -122,7 +122,7 @@ def pairs_of(inputs: Sequence[Any], spec: Any, areas: dict[float, int]) -> set[t
     """Shape numbers of the pairs that work of stage qcrs scores."""
     stacks = list(inputs)
     first, second = numbers(stacks[0], areas), numbers(stacks[-1], areas)
-    if isinstance(spec, Part):
+    if isinstance(spec, SubBlock):
         return {(first[i], second[j]) for i, j in spec.pairs()}
     return {(p, q) for p, q in product(first, second) if p < q}
 
@@ -204,7 +204,7 @@ def test_a_batch_that_fails_only_as_a_whole_is_done_shape_by_shape(
     planted: Planted, clean: Path, tmp_path: Path
 ) -> None:
     def poison(stage: str, inputs: Sequence[Any], spec: Any) -> bool:
-        return stage in OF_SHAPES and (len(spec) if stage == "ingest" else count_shapes(inputs[0])) > 1
+        return BY_NAME[stage].scope == "batch" and (len(spec) if stage == "ingest" else count_shapes(inputs[0])) > 1
 
     assert planted.mine(tmp_path, poison).code == CLEAN
     assert digests(tmp_path) == digests(clean)
@@ -239,7 +239,7 @@ def test_a_deadly_search_loses_one_shape_s_partners_in_one_part(
     def poison(stage: str, inputs: Sequence[Any], spec: Any) -> bool:
         if stage != "partners":
             return False
-        rows = range(*spec.rows) if isinstance(spec, Part) else range(len(inputs[0]))
+        rows = range(*spec.rows) if isinstance(spec, SubBlock) else range(len(inputs[0]))
         return 3 in [numbers(inputs[0], areas)[row] for row in rows]
 
     outcome = planted.mine(tmp_path, poison, **TOPK)
@@ -258,7 +258,7 @@ def test_a_search_that_fails_only_as_a_whole_is_done_in_parts(
     planted: Planted, clean_topk: Path, tmp_path: Path
 ) -> None:
     def poison(stage: str, inputs: Sequence[Any], spec: Any) -> bool:
-        return stage == "partners" and not isinstance(spec, Part) and len(inputs[0]) > 1
+        return stage == "partners" and not isinstance(spec, SubBlock) and len(inputs[0]) > 1
 
     assert planted.mine(tmp_path, poison, **TOPK).code == CLEAN
     assert digests(tmp_path) == digests(clean_topk)
@@ -269,7 +269,7 @@ def test_a_search_that_fails_only_as_a_whole_is_done_in_parts(
 def test_a_deadly_shard_is_missing_and_the_others_are_searched(
     planted: Planted, clean_topk: Path, areas: dict[float, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pipeline.plan.plan, "SHARD", BATCHES)
+    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", BATCHES)
 
     def poison(stage: str, inputs: Sequence[Any], spec: Any) -> bool:
         return stage == "shards" and 0 in numbers(inputs[0], areas)

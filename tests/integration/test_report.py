@@ -205,7 +205,7 @@ def test_a_run_that_found_nothing_has_a_report(tmp_path):
     for name in ("reversibility", "shapes"):
         fake_run.write_table(tmp_path, name, [])
     shutil.rmtree(tmp_path / "qcrs")
-    fake_run.write(tmp_path / "qcrs" / "i_block=0000" / "part-0.parquet", tables.QCRS, [])
+    fake_run.write(tmp_path / "qcrs" / "i_block=0000" / "part-0.parquet", tables.SCHEMAS["qcrs"], [])
     page = Page(write_report(tmp_path).read_text(encoding="utf-8"))
     shown = "".join(page.text)
     assert "No transform was constructed" in shown and "No construction was rejected" in shown

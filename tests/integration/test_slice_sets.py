@@ -13,6 +13,7 @@ import trimesh
 from PIL import Image
 
 from pipeline.datasets import sample
+from pipeline.datasets.item import SAMPLE_PREFIX
 from riot import Shape, Transform
 from riot.cli.main import main
 from riot.fabricate import FabricationParameters
@@ -37,7 +38,7 @@ def low_egg() -> manifold3d.Manifold:
 
 
 def counterparts() -> list[Shape]:
-    return [sample.shape(f"{sample.PREFIX}{name}") for name in NAMES]
+    return [sample.shape(f"{SAMPLE_PREFIX}{name}") for name in NAMES]
 
 
 Done = tuple[Stack, tuple[SliceOutcome, ...], Path]
@@ -209,7 +210,7 @@ class TestCommand:
     @pytest.fixture
     def pictures(self, tmp_path: Path) -> list[str]:
         for name in NAMES:
-            pixels = sample.picture(f"{sample.PREFIX}{name}").astype(np.uint8)
+            pixels = sample.picture(f"{SAMPLE_PREFIX}{name}").astype(np.uint8)
             Image.fromarray(pixels).save(tmp_path / f"{name}.png")
         return [str(tmp_path / f"{name}.png") for name in NAMES]
 

@@ -11,15 +11,16 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 from PIL import Image
+from plans import planned as planned_run
 from small_runs import CLEAN, digests, draw, pictures, run, run_here, stages
 
-import pipeline.plan.plan
+import pipeline.stages.shards
 from pipeline.config.schema import Config, make_config
-from pipeline.datasets.collection import collect
 from pipeline.errors import ConfigError
 from pipeline.flow import run_pipeline
-from pipeline.plan.plan import Plan, make_plan, plan_search, plan_select
+from pipeline.plan.progress import Progress
 from pipeline.runtime.events import Event, StageEnded
+from pipeline.stages.all import BY_NAME
 from pipeline.tables.partner_search import Search, read_search
 
 SHAPES = 23
@@ -100,7 +101,7 @@ def every(root: Path, store: Path, tmp_path_factory: pytest.TempPathFactory) -> 
 def test_the_pairs_are_the_best_of_all(
     k: int, shard: int, every: Pairs, root: Path, store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pipeline.plan.plan, "SHARD", shard)
+    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", shard)
     found = mine(configure(root, tmp_path, store, qcrs={"mode": "topk", "k": k}))
     assert (found.stages["shards"].total > 1) == (shard < 640)
     assert len(best_of(every.table, k)) > SHAPES // 2
@@ -123,7 +124,7 @@ def test_with_enough_partners_the_selection_is_that_of_all_pairs(
 
 
 def test_one_more_picture_changes_its_own_shard(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline.plan.plan, "SHARD", 8)
+    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", 8)
     grown = Path(shutil.copytree(root, tmp_path / "grown"))
     topk = {"mode": "topk", "k": 3}
     mine(configure(root, tmp_path / "before", tmp_path / "store", qcrs=topk))
@@ -137,36 +138,42 @@ def test_one_more_picture_changes_its_own_shard(root: Path, tmp_path: Path, monk
     pd.testing.assert_frame_equal(after.table, best_of(whole.table, 3), check_exact=True)
 
 
-def planned(root: Path, tmp_path: Path, **qcrs: object) -> Plan:
-    config = configure(root, tmp_path, tmp_path, qcrs=qcrs)
-    return make_plan(config, collect(config.dataset))
+def planned(root: Path, tmp_path: Path, until: str, **qcrs: object) -> Progress:
+    return planned_run(configure(root, tmp_path, tmp_path, qcrs=qcrs), until)
 
 
 def test_which_pairs_are_scored_is_no_part_of_the_keys_of_scores(root: Path, tmp_path: Path) -> None:
-    usual, other = planned(root, tmp_path), planned(root, tmp_path, k=3)
-    assert [item.key for item in usual.qcrs.values()] == [item.key for item in other.qcrs.values()]
+    usual, other = planned(root, tmp_path, "qcrs"), planned(root, tmp_path, "qcrs", k=3)
+    assert [item.key for item in usual.work["qcrs"]] == [item.key for item in other.work["qcrs"]]
     assert usual.recipes["qcrs"].values == {"qcrs": usual.recipes["qcrs"].values["qcrs"]}
     assert set(usual.recipes["qcrs"].values["qcrs"]) == {"sigma_e", "sigma_angle", "sigma_area"}
-    one, two = planned(root, tmp_path, mode="topk"), planned(root, tmp_path, mode="topk", k=3)
-    assert [item.key for item in one.shards] == [item.key for item in two.shards]
-    assert not {item.key for item in one.qcrs.values()} & {item.key for item in two.qcrs.values()}
+    one, two = (planned(root, tmp_path, "partners", mode="topk", k=k) for k in (20, 3))
+    assert [item.key for item in one.work["shards"]] == [item.key for item in two.work["shards"]]
+    assert not {item.key for item in one.work["partners"]} & {item.key for item in two.work["partners"]}
 
 
 def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline.plan.plan, "SHARD", 8)
-    whole = planned(root, tmp_path, mode="topk")
-    lost = whole.trunks[2]
-    left = plan_search(whole, {item.reference for item in whole.trunks} - {lost.reference})
-    members = {position for shard in left.shards for position in shard.members}
+    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", 8)
+    whole = planned(root, tmp_path, "trunks", mode="topk")
+    lost = whole.work["trunks"][2]
+    left = whole.with_work("trunks", whole.work["trunks"], whole.done - {lost.reference})
+    for stage in ("shards", "partners", "pairs"):
+        items = BY_NAME[stage].items(left)
+        left = left.with_work(stage, items, left.done | {item.reference for item in items})
+    shards = left.work["shards"]
+    members = {position for shard in shards for position in shard.members}
     assert members == set(range(len(whole.items))) - set(lost.members)
-    for shard in left.shards:
+    for shard in shards:
         assert list(shard.members) == list(range(shard.members[0], shard.members[-1] + 1))
-    for (batch, number), item in left.qcrs.items():
-        start, members_of = whole.batches[batch].start, left.shards[number].members
+    for item in left.work["partners"]:
+        assert item.block is not None
+        batch, number = item.block
+        start, members_of = whole.batches[batch].start, shards[number].members
         inside = members_of.index(start) if start in members_of else -1
         assert (item.spec.first, item.spec.after) == (inside, start > members_of[-1])
         assert lost.reference not in item.sources
-    assert left.pairs is not None and plan_select(left, set()).sources[0] == left.pairs.reference
+    ((collected,), (select,)) = left.work["pairs"], BY_NAME["select"].items(left)
+    assert select.sources[0] == collected.reference
 
 
 TOPK = ("qcrs.mode=topk", "qcrs.k=3")

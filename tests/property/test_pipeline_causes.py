@@ -12,8 +12,8 @@ import pytest
 from edited_project import ALL, EDITS, PICTURES, Edit, Project, finished_once
 from rich.console import Console
 
-from pipeline.plan.causes import NOT_DONE, Causes
-from pipeline.plan.explain import show_explanation
+from pipeline.explain.causes import NOT_DONE, Causes
+from pipeline.explain.show import show_explanation
 from pipeline.store.store import folder_name
 
 CAUSE = re.compile(r"(?:code|versions)\.[\w.-]+|parameters\.\S+ \S+ → \S+|picture [^;]+|inputs:.*|new:.*|pictures in.*")
@@ -30,8 +30,8 @@ def finished(finished_once: Project, tmp_path: Path, monkeypatch: pytest.MonkeyP
 def causes(project: Project) -> dict[str, Counter[str]]:
     """Of every stage of which it is known what it has to do."""
     found = project.look()
-    asked = Causes(project.store, found[0].pictures)
-    return {stage.stage: asked.of(stage.missing) for stage in found if stage.items is not None}
+    asked = Causes(project.store, found.pictures)
+    return {row.stage.name: asked.of(row.missing) for row in found.stages if row.items is not None}
 
 
 @pytest.mark.parametrize("edit", EDITS, ids=lambda edit: edit.name)
@@ -69,7 +69,7 @@ def test_what_a_stopped_run_left_undone_is_no_edit(finished: Project, stage: str
 
 
 def test_two_edits_are_both_named(finished: Project) -> None:
-    finished.picture("kind2-2.png", 77).edit("pipeline.stages.qcrs", "def run(", "EDITED = 1\n\n\ndef run(")
+    finished.picture("kind2-2.png", 77).edit("pipeline.stages.qcrs", "def run(", "@lambda run: run\ndef run(")
     found = causes(finished)
     with_both = {text for text in found["qcrs"] if "picture replaced: kind2-2.png" in text}
     assert with_both and all("code.pipeline.stages.qcrs" in text for text in found["qcrs"])
@@ -104,6 +104,6 @@ def test_it_is_printed_by_stage(finished: Project, edit: Edit) -> None:
     said = console.file.getvalue()  # type: ignore[attr-defined]
     if edit.again:
         assert "ingest: 2 of 5 to do, because\n" in said and f"  2 × {edit.cause}\n" in said
-        assert f"after ingest: {edit.cause}\n" in said and "crs: known after the selection" in said
+        assert f"after ingest: {edit.cause}\n" in said and "crs: known after select" in said
     else:
         assert "motion: all 3 cached" in said and "×" not in said

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from edited_project import CODE, LIBRARIES, PARAMETERS, Edit, Project
 from integration.small_runs import draw
+from plans import planned
 
-from pipeline.datasets.collection import collect
-from pipeline.plan.accept import accept
-from pipeline.plan.plan import WorkItem, make_plan
+from pipeline.cli.accept import accept
+from pipeline.plan.work_item import WorkItem
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
 
@@ -44,7 +44,7 @@ def test_an_edit_changes_the_keys_of_what_it_concerns(project: Project, edit: Ed
 
 def test_another_picture_concerns_what_it_is_in(project: Project) -> None:
     before = keys_of(project)
-    plan = make_plan(project.config, collect(project.config.dataset))
+    plan = planned(project.config, "ingest")
     number = 2
     draw(next((project.root / "pictures").glob(plan.items[number].name + ".png")), 77)
     after = keys_of(project)
@@ -90,7 +90,7 @@ def test_only_what_is_whole_is_accepted(project: Project, tmp_path: Path) -> Non
     store = Store(tmp_path / "store")
     items = project.plan()
     stored(store, items)
-    project.edit("pipeline.stages.motion", "def run(", "EDITED = 1\n\n\ndef run(")
+    project.edit("pipeline.stages.motion", "def run(", "@lambda run: run\ndef run(")
     store.files.remove(f"motion/{items[-1].key[:2]}/{items[-1].key}")
     with pytest.raises(KeyError):
         accept(store, {"motion": [items[-1].key]})

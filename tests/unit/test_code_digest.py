@@ -13,7 +13,7 @@ import pytest
 from pipeline.plan.code_digest import DISTRIBUTIONS, PROJECT, Project, code_digests, library_versions
 from pipeline.plan.sources import ROOT, edited, read_sources
 from pipeline.plan.syntax_digest import syntax_digest
-from pipeline.stages.registry import STAGES
+from pipeline.stages.all import STAGES
 
 SOURCE = '''"""About the module."""
 import numpy as np

@@ -14,11 +14,11 @@ from pipeline.errors import ConfigError
 from pipeline.report.comparison import read_comparison
 from pipeline.stages import construct, paper
 from pipeline.stages.crs import pack_scores
-from pipeline.stages.items import pack_shapes
 from pipeline.stages.refine import run as refine
+from pipeline.stages.shape_arrays import pack_shapes
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.tables.messages import remarks
-from pipeline.tables.schemas import TRANSFORMS
+from pipeline.tables.schemas import SCHEMAS
 from riot import Shape, Transform
 from riot.construction.laplacian import construct_laplacian
 from riot.geometry.polyline import signed_area
@@ -85,7 +85,7 @@ def test_one_by_the_papers_method_is_approximate_and_keeps_text_and_numbers() ->
 
 def test_columns_are_in_the_table_with_meaning_and_unit() -> None:
     for name in (*construct.FIDELITY, *paper.COLUMNS):
-        metadata = TRANSFORMS.field(name).metadata
+        metadata = SCHEMAS["transforms"].field(name).metadata
         assert metadata[b"meaning"] and metadata[b"unit"]
 
 

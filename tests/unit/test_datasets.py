@@ -16,7 +16,7 @@ from PIL import Image
 from pipeline.datasets import collection as datasets
 from pipeline.datasets import sample
 from pipeline.datasets.collection import Collection, DatasetConfig, DatasetError, class_of, collect
-from pipeline.datasets.item import open_item
+from pipeline.datasets.reading import open_item
 from riot.errors import RiotError, SilhouetteError
 from riot.geometry.polyline import is_simple
 

@@ -12,20 +12,21 @@ import numpy as np
 import pytest
 import trimesh
 from colour_pictures import picture, placed
+from plans import planned
 
 from pipeline.config.schema import FabricateConfig, make_config
 from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
 from pipeline.errors import ConfigError
-from pipeline.plan.plan import WorkItem, make_plan, plan_fabrications
+from pipeline.plan.work_item import WorkItem
 from pipeline.report.environment import render
 from pipeline.report.rows import PuzzleRow, typed_row
+from pipeline.stages.all import BY_NAME
 from pipeline.stages.fabricate import run
-from pipeline.stages.registry import BY_NAME, recipe
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.tables.messages import remarks
 from pipeline.tables.puzzles import SHARED
-from pipeline.tables.schemas import FABRICATIONS
+from pipeline.tables.schemas import SCHEMAS
 from riot.fabricate import FabricationParameters
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.motion import with_motion
@@ -34,7 +35,7 @@ from riot.transform.riot_file import from_json, to_json
 PLANNED = Artifact({}, {"riot": to_json(with_motion(exact_transform(exact_pair(3, 1))))})
 SAMPLE = {"dataset": {"name": "sample", "kind": "sample"}}
 CROWDED = Artifact({}, {"riot": to_json(with_motion(exact_transform(exact_pair(6, 2))))})
-OWN = set(FABRICATIONS.names) - {*SHARED, "folder"}
+OWN = set(SCHEMAS["fabrications"].names) - {*SHARED, "folder"}
 """What a puzzle's artifact says of it."""
 TINY = FabricationParameters(size_mm=30.0, pin_mm=8.0)
 """Knuckles too large for the six pieces of the crowded one."""
@@ -98,10 +99,14 @@ def test_pictures_are_part_of_a_puzzles_key_where_their_sheets_are_made(tmp_path
     def puzzle(paper: bool, items: tuple[Item, Item]) -> WorkItem:
         folder = {"dataset": {"name": "folder", "kind": "folder", "root": str(tmp_path)}}
         config = make_config({**folder, "fabricate": {"top": 1, "paper": paper}})
-        plan = make_plan(config, Collection("folder", items))
-        motion = replace(plan.ingest[0], members=(0, 1))
-        (found,) = plan_fabrications(plan, [motion])
-        return found
+        certified = Artifact({}, {"status": "certified", "iou_p": 1.0, "iou_q": 1.0})
+        progress = planned(config, "ingest", Collection("folder", items), lambda item: certified)
+        (ingest,) = progress.work["ingest"]
+        for stage in ("construct", "motion"):  # as if the two pictures were a pair
+            item = progress.recipes[stage].after(replace(ingest, members=(0, 1)))
+            progress = progress.with_work(stage, [item], progress.done | {item.reference})
+        (puzzle,) = BY_NAME["fabricate"].items(progress)
+        return puzzle
 
     changed = (items[0], replace(items[1], digest="0" * 64))
     assert puzzle(False, items).spec is None and puzzle(True, items).spec == items
@@ -127,13 +132,16 @@ def test_a_part_larger_than_the_bed_is_refused() -> None:
 
 def test_columns_are_in_the_table_with_meaning_and_unit(made: Artifact) -> None:
     assert set(made.document) == OWN
-    units = {name: FABRICATIONS.field(name).metadata[b"unit"] for name in ("size", "least_wall", "volume", "overlap")}
+    units = {
+        name: SCHEMAS["fabrications"].field(name).metadata[b"unit"]
+        for name in ("size", "least_wall", "volume", "overlap")
+    }
     assert units == {"size": b"mm", "least_wall": b"mm", "volume": b"mm3", "overlap": b"mm3"}
 
 
 def test_how_many_are_made_is_no_part_of_their_key() -> None:
     def key(**values: Any) -> str:
-        return recipe(BY_NAME["fabricate"], make_config({**SAMPLE, "fabricate": values})).parts(["x"]).key()
+        return BY_NAME["fabricate"].recipe(make_config({**SAMPLE, "fabricate": values})).parts(["x"]).key()
 
     assert key(top=3) == key(top=5) == key()
     assert len({key(), key(size_mm=90.0), key(fix=True), key(paper=True)}) == 4

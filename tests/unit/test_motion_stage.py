@@ -8,10 +8,10 @@ import pytest
 
 from pipeline.config.schema import make_config
 from pipeline.errors import ConfigError
-from pipeline.stages.motion import COLUMNS, run
+from pipeline.stages.motion import STAGE, run
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.tables.messages import remarks
-from pipeline.tables.schemas import TRANSFORMS
+from pipeline.tables.schemas import SCHEMAS
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.motion import MotionParameters, motion_of
 from riot.transform.riot_file import from_json, to_json
@@ -35,8 +35,10 @@ def test_a_construction_gets_its_plan() -> None:
 
 
 def test_columns_are_in_the_table() -> None:
-    assert set(COLUMNS) <= set(TRANSFORMS.names)
-    assert all(TRANSFORMS.field(name).metadata[b"meaning"] for name in COLUMNS)
+    (added,) = STAGE.tables
+    assert {column.name for column in added.columns} == {"swings_flat", "lifted_hinges", "open_hinge", "motion_search"}
+    for column in added.columns:
+        assert SCHEMAS["transforms"].field(column.name).metadata[b"meaning"] == column.meaning.encode()
 
 
 def test_parameters_reach_the_plan_and_are_checked() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.runtime.admission import NAMED, Admission, identity, objection
-from pipeline.stages.registry import STAGES
+from pipeline.stages.all import STAGES
 
 
 def other(**changes: dict[str, str]) -> dict[str, Any]:

@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 
 from pipeline.config.schema import ClusterConfig
-from pipeline.plan.plan import WorkItem
+from pipeline.plan.work_item import WorkItem
 from pipeline.runtime import worker as perform_module
 from pipeline.runtime.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask, _receipts, open_cluster
 from pipeline.runtime.events import Event, ItemDone, StageEnded, StageStarted
 from pipeline.runtime.execute import MAX_TRIES, Run, bundles, tiles
 from pipeline.runtime.worker import Failure, Receipt
-from pipeline.stages.registry import Work
+from pipeline.stages.all import BY_NAME
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, State, Store
@@ -55,11 +55,11 @@ def run(tmp_path: Path, executor: Any, events: list[Event] | None = None) -> Run
 
 def test_only_missing_items_run_and_each_once(tmp_path: Path) -> None:
     first, second = Scripted(), Scripted()
-    run(tmp_path, first).stage("crs", [item("a"), item("b"), item("a")])
+    run(tmp_path, first).stage(BY_NAME["crs"], [item("a"), item("b"), item("a")])
     assert sorted(first.seen) == ["a", "b"]
     events: list[Event] = []
     later = run(tmp_path, second, events)
-    later.stage("crs", [item("a"), item("b"), item("c")])
+    later.stage(BY_NAME["crs"], [item("a"), item("b"), item("c")])
     assert second.seen == ["c"]
     assert events[0] == StageStarted("crs", "pairs", 3, 2, 0)
     assert events[1] == ItemDone("crs", False)
@@ -69,24 +69,24 @@ def test_only_missing_items_run_and_each_once(tmp_path: Path) -> None:
 
 
 def test_no_cluster_is_opened_when_nothing_is_missing(tmp_path: Path) -> None:
-    run(tmp_path, Scripted()).stage("crs", [item("a")])
+    run(tmp_path, Scripted()).stage(BY_NAME["crs"], [item("a")])
 
     def refuse() -> Any:
         raise AssertionError("a cluster was opened")
 
     again = Run(Store(tmp_path), lambda event: None, refuse)
-    again.stage("crs", [item("a")])
+    again.stage(BY_NAME["crs"], [item("a")])
     assert again.stages[0].cached == 1
 
 
 def test_damage_is_reported_and_mended(tmp_path: Path) -> None:
-    run(tmp_path, Scripted()).stage("crs", [item("a"), item("b")])
+    run(tmp_path, Scripted()).stage(BY_NAME["crs"], [item("a"), item("b")])
     store = Store(tmp_path)
     payload = store.folder("crs", item("a").key) / PAYLOAD
     payload.write_bytes(payload.read_bytes()[:-1])
     events: list[Event] = []
     executor = Scripted()
-    run(tmp_path, executor, events).stage("crs", [item("a"), item("b")])
+    run(tmp_path, executor, events).stage(BY_NAME["crs"], [item("a"), item("b")])
     assert executor.seen == ["a"] and events[0] == StageStarted("crs", "pairs", 2, 1, 1)
     assert store.state("crs", item("a").key) is State.PRESENT
 
@@ -95,8 +95,10 @@ def test_failures_stay_with_their_items_and_block_what_needs_them(tmp_path: Path
     executor = Scripted({"a": [Failure("ValueError", "no")]})
     state = run(tmp_path, executor)
     a, b = item("a"), item("b")
-    state.stage("crs", [a, b])
-    state.stage("construct", [item("ca", (a.reference,), "construct"), item("cb", (b.reference,), "construct")])
+    state.stage(BY_NAME["crs"], [a, b])
+    state.stage(
+        BY_NAME["construct"], [item("ca", (a.reference,), "construct"), item("cb", (b.reference,), "construct")]
+    )
     assert state.failed == {a.reference: Failure("ValueError", "no", 1)}
     assert executor.seen == ["a", "b", "cb"]
     assert state.stages[1].blocked == 1 and state.stages[1].computed == 1 and state.stages[0].failed == 1
@@ -106,7 +108,7 @@ def test_the_machine_gets_more_tries_and_the_item_does_not(tmp_path: Path) -> No
     disk = Failure("OSError", "disk")
     executor = Scripted({"once": [disk], "always": [disk] * 9, "item": [Failure("LookupError", "it")] * 9})
     state = run(tmp_path, executor)
-    state.stage("crs", [item("once"), item("always"), item("item")])
+    state.stage(BY_NAME["crs"], [item("once"), item("always"), item("item")])
     assert [executor.seen.count(name) for name in ("once", "always", "item")] == [2, MAX_TRIES, 1]
     assert {failure.attempts for failure in state.failed.values()} == {MAX_TRIES, 1}
     assert item("once").reference in state.done
@@ -198,7 +200,9 @@ def test_receipts_lost_with_their_worker_are_asked_for_again() -> None:
 
 def test_receipts_tell_time_and_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        perform_module, "work_of", lambda stage, code: Work(lambda inputs, parameters, spec: Artifact())
+        perform_module,
+        "checked_stage",
+        lambda name, code: replace(BY_NAME[name], run=lambda inputs, parameters, spec: Artifact()),
     )
     (receipt,) = Here().run(str(tmp_path), [[item("a")]])
     assert receipt.failure is None and receipt.seconds > 0 and receipt.peak_mb > 1

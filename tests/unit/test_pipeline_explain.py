@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from pipeline.plan.causes import NOT_DONE, Causes, explain, gather
-from pipeline.plan.plan import WorkItem
+from pipeline.explain.causes import NOT_DONE, Causes, explain, gather
+from pipeline.plan.work_item import WorkItem
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, Store

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.plan.plan import WorkItem
+from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.guard import MAX_DEATHS, Guard, Guards
 from pipeline.runtime.worker import Receipt
 from pipeline.store.keys import KeyParts

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import PayloadError
-from pipeline.plan.plan import Reference, WorkItem
+from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.inputs import Inputs, Kept
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts

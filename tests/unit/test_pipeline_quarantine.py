@@ -11,12 +11,14 @@ import pytest
 from pipeline.config.schema import Config, make_config
 from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
-from pipeline.plan.plan import Plan, WorkItem, make_plan
+from pipeline.plan.progress import Progress, begin
+from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.cluster import Bundle
 from pipeline.runtime.events import Event, Note
 from pipeline.runtime.execute import Run
 from pipeline.runtime.quarantine import OF_SHAPES, bring_shapes
 from pipeline.runtime.worker import Failure, Receipt
+from pipeline.stages.all import recipes
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import Store
 
@@ -62,22 +64,26 @@ def config(store: Path) -> Config:
 
 def brought(
     store: Path, names: Sequence[str], poison: dict[tuple[str, str], Failure], events: list[Event] | None = None
-) -> tuple[Plan, Collection, Run, Poisoned]:
+) -> tuple[Progress, Collection, Run, Poisoned]:
     executor = Poisoned({(stage, digest(name)): failure for (stage, name), failure in poison.items()})
     run = Run(Store(store), (lambda event: None) if events is None else events.append, lambda: executor)
-    given = collection(names)
-    plan, left = bring_shapes(make_plan(config(store), given), given, run)
-    return plan, left, run, executor
+    progress = bring_shapes(begun(store, names), run)
+    return progress, progress.collection, run, executor
+
+
+def begun(store: Path, names: Sequence[str]) -> Progress:
+    settings = config(store)
+    return begin(settings, collection(names), recipes(settings), lambda item: Store(store).get(*item.reference))
 
 
 NAMES = [f"shape-{number:02}" for number in range(20)]
 
 
-def work(plan: Plan) -> list[WorkItem]:
-    return [item for stage in OF_SHAPES for item in getattr(plan, stage)]
+def work(progress: Progress) -> list[WorkItem]:
+    return [item for stage in OF_SHAPES for item in progress.work[stage.name]]
 
 
-@pytest.mark.parametrize("stage", OF_SHAPES)
+@pytest.mark.parametrize("stage", [stage.name for stage in OF_SHAPES])
 def test_neighbours_are_done_as_if_the_culprits_were_not_there(tmp_path: Path, stage: str) -> None:
     poison = {(stage, NAMES[3]): HANGS, (stage, NAMES[11]): KILLS, (stage, NAMES[12]): KILLS}
     plan, left, run, executor = brought(tmp_path / "store", NAMES, poison)
@@ -127,8 +133,8 @@ def test_a_batch_that_fails_only_together_is_joined_from_its_shapes(tmp_path: Pa
 
     executor = Together({})
     run = Run(Store(tmp_path), lambda event: None, lambda: executor)
-    given = collection(NAMES)
-    plan, left = bring_shapes(make_plan(config(tmp_path), given), given, run)
+    plan = bring_shapes(begun(tmp_path, NAMES), run)
+    left = plan.collection
     clean = brought(tmp_path / "clean", NAMES, {})
     assert left.rejected == () and not run.failed and run.done == clean[2].done
     for item in work(plan):
@@ -139,9 +145,9 @@ def test_a_batch_that_fails_only_together_is_joined_from_its_shapes(tmp_path: Pa
 def test_what_was_spent_is_counted_once_and_the_names_are_told(tmp_path: Path) -> None:
     events: list[Event] = []
     plan, _, run, _ = brought(tmp_path, NAMES, {("trunks", NAMES[5]): KILLS}, events)
-    assert [stage.stage for stage in run.stages] == list(OF_SHAPES)
+    assert [stage.stage for stage in run.stages] == [stage.name for stage in OF_SHAPES]
     for stage in run.stages:
-        assert stage.total == len(plan.ingest) == stage.computed + stage.cached and stage.blocked == 0
+        assert stage.total == len(plan.work["ingest"]) == stage.computed + stage.cached and stage.blocked == 0
     assert [stage.failed for stage in run.stages] == [0, 0, 1]
     assert [event.text for event in events if isinstance(event, Note)] == [
         f"set aside, and planned anew without: {NAMES[5]}"

@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.config.schema import Config, make_config
 from pipeline.errors import ConfigError
-from pipeline.stages.registry import BY_NAME, recipe
+from pipeline.stages.all import BY_NAME
 from riot.parameters import QCRS_VARIANTS, QcrsParameters
 
 
@@ -35,8 +35,8 @@ def test_mistakes_are_named(values: dict[str, object], words: list[str]) -> None
 def test_trunks_depend_on_the_variant_and_not_on_sigmas() -> None:
     usual, tuned = configured(), configured(variant="tuned")
     loose = configured(sigma_area=0.3)
-    assert recipe(BY_NAME["trunks"], usual).values != recipe(BY_NAME["trunks"], tuned).values
-    assert recipe(BY_NAME["trunks"], usual).values == recipe(BY_NAME["trunks"], loose).values
-    assert recipe(BY_NAME["qcrs"], usual).values != recipe(BY_NAME["qcrs"], loose).values
+    assert BY_NAME["trunks"].recipe(usual).values != BY_NAME["trunks"].recipe(tuned).values
+    assert BY_NAME["trunks"].recipe(usual).values == BY_NAME["trunks"].recipe(loose).values
+    assert BY_NAME["qcrs"].recipe(usual).values != BY_NAME["qcrs"].recipe(loose).values
     # Full trunks are the same for both.
-    assert recipe(BY_NAME["trunks_full"], usual).values == recipe(BY_NAME["trunks_full"], tuned).values
+    assert BY_NAME["trunks_full"].recipe(usual).values == BY_NAME["trunks_full"].recipe(tuned).values

@@ -12,9 +12,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pipeline.plan.causes import explain, gather
+from pipeline.explain.causes import explain, gather
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.stages.registry import STAGES, Stage
+from pipeline.stages.all import STAGES
+from pipeline.stages.stage import Stage
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import Entry, State, Store
 

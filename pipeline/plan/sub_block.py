@@ -1,4 +1,4 @@
-"""Parts of what is done between two batches, or of a batch and a shard: what is halved to find what is deadly in it."""
+"""Parts of the work between two batches, or between a batch and a shard: what is halved to find a deadly pair."""
 
 from __future__ import annotations
 
@@ -12,11 +12,14 @@ Span = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Part:
+class SubBlock:
     """Some rows and columns of a block of pairs; ``whole`` is the spec of the work item that they are taken from.
 
     Rows and columns are numbered within their batches. Where ``whole`` is True, both are of one batch, and only pairs
     with row < column count. A search for partners has its shard as a single column.
+
+    >>> list(SubBlock(True, (0, 3), (0, 3)).pairs())
+    [(0, 1), (0, 2), (1, 2)]
     """
 
     whole: Any
@@ -30,13 +33,15 @@ class Part:
                 if row < column or self.whole is not True:
                     yield row, column
 
-    def halves(self) -> list[Part]:
-        """Two to four parts that have all of its pairs, each once; none where it has one pair only."""
+    def halves(self) -> list[SubBlock]:
+        """Two to four sub-blocks that have all of its pairs, each once; none where it has one pair only."""
         if len(list(islice(self.pairs(), 2))) < 2:
             return []
-        found = (Part(self.whole, rows, columns) for rows in _halves(self.rows) for columns in _halves(self.columns))
+        quarters = (
+            SubBlock(self.whole, rows, columns) for rows in _halves(self.rows) for columns in _halves(self.columns)
+        )
         # Rows after all columns have no pairs: half of a batch with an earlier half of the same.
-        return [part for part in found if any(part.pairs())]
+        return [quarter for quarter in quarters if any(quarter.pairs())]
 
 
 def _halves(span: Span) -> list[Span]:

@@ -1,4 +1,4 @@
-"""Causes: why work items are not in the store: what of their keys is other than in the nearest stored ones."""
+"""Causes: which part of a work item's key changed since the nearest stored artifact of its stage."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.datasets.item import Item
-from pipeline.plan.plan import WorkItem
+from pipeline.plan.work_item import WorkItem
 from pipeline.store.artifact import canonical_json
 from pipeline.store.store import State, Store
-from pipeline.tables.results import shown_source
 
 Changes = tuple[str, ...]
 
@@ -109,8 +108,8 @@ class Pictures:
 
     def told(self, new: Sequence[Item]) -> str:
         """Which of some new items are in the place of others, and which are additional, in words."""
-        replaced = [shown_source(item.name, item.source) for item in new if item.name in self.before]
-        added = [shown_source(item.name, item.source) for item in new if item.name not in self.before]
+        replaced = [item.shown_source for item in new if item.name in self.before]
+        added = [item.shown_source for item in new if item.name not in self.before]
         word = "picture added" if self.before else "picture new to the store"
         return "; ".join(filter(None, (_listed("picture replaced", replaced), _listed(word, added))))
 

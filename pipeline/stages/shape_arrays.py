@@ -1,4 +1,4 @@
-"""What the per-shape stages share: shapes as ragged arrays, and failures as rows."""
+"""What the stages of shapes share: shapes as ragged arrays, and failures as rows."""
 
 from __future__ import annotations
 
@@ -86,11 +86,11 @@ def join_single(parts: Sequence[Artifact]) -> Artifact:
     """
     arrays: dict[str, AnyArray] = {}
     for name in parts[0].arrays:
-        found = [part.arrays[name] for part in parts]
+        pieces = [part.arrays[name] for part in parts]
         if name.endswith("offsets"):
-            sizes = np.concatenate([np.zeros(1, np.int64), *(np.diff(offsets) for offsets in found)])
-            arrays[name] = np.cumsum(sizes, dtype=found[0].dtype)
+            sizes = np.concatenate([np.zeros(1, np.int64), *(np.diff(offsets) for offsets in pieces)])
+            arrays[name] = np.cumsum(sizes, dtype=pieces[0].dtype)
         else:
-            arrays[name] = np.concatenate(found)
+            arrays[name] = np.concatenate(pieces)
     errors = [{**row, "index": index} for index, part in enumerate(parts) for row in part.document["errors"]]
     return Artifact(arrays, {"errors": errors})

@@ -1,0 +1,3 @@
+from . import causes as causes
+from . import forecast as forecast
+from . import show as show

@@ -1,0 +1,82 @@
+"""What is known of a run while it goes through its stages: the collection, and the work items of each stage so far."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from pipeline.config.schema import Config
+from pipeline.datasets.collection import Collection
+from pipeline.datasets.item import Item
+from pipeline.plan.batches import cut
+from pipeline.plan.work_item import Recipe, Reference, WorkItem
+from pipeline.store.artifact import Artifact
+
+
+@dataclass(frozen=True)
+class Progress:
+    """A run as its stages see it when they plan their work; nothing in it ever changes, `with_work` makes the next.
+
+    Keys are chained (a work item's inputs are named by their keys), so that everything up to the selection is planned
+    from the configuration and the pictures' digests alone; later stages read what earlier ones found, by ``read``.
+    """
+
+    config: Config
+    collection: Collection
+    batches: tuple[range, ...]
+    """Positions of the collection's items, cut into batches."""
+    recipes: Mapping[str, Recipe]
+    read: Callable[[WorkItem], Artifact]
+    """The artifact of a work item that is done."""
+    work: Mapping[str, tuple[WorkItem, ...]] = field(default_factory=dict)
+    """Work items by stage, of the stages that were planned so far."""
+    done: AbstractSet[Reference] = frozenset()
+    lost: Mapping[str, tuple[WorkItem, ...]] = field(default_factory=dict)
+    """Work that failed by itself after its block had failed as a whole, by stage."""
+
+    @property
+    def items(self) -> tuple[Item, ...]:
+        """The items of the collection, in order of name."""
+        return self.collection.items
+
+    @cached_property
+    def classes(self) -> tuple[str, ...]:
+        """The class of every item; empty for none."""
+        return tuple(item.cls for item in self.items)
+
+    def locate(self, position: int) -> tuple[int, int]:
+        """(batch, index within it) of an item; raises LookupError for a position that no item has."""
+        if not 0 <= position < len(self.items):
+            raise LookupError(f"no item {position} in a collection of {len(self.items)}")
+        number = bisect_right(self.batches, position, key=lambda batch: batch.start) - 1
+        return number, position - self.batches[number].start
+
+    def finished(self, stage: str) -> list[WorkItem]:
+        """The work items of a stage that are done, in order; none of a stage that is not among ``work``."""
+        return [item for item in self.work.get(stage, ()) if item.reference in self.done]
+
+    def with_work(
+        self, stage: str, items: Sequence[WorkItem], done: AbstractSet[Reference], lost: Sequence[WorkItem] = ()
+    ) -> Progress:
+        """The same with the work items of one more stage; ``done`` are all artifacts that are there now."""
+        return replace(
+            self,
+            work={**self.work, stage: tuple(items)},
+            done=done,
+            lost={**self.lost, stage: tuple(lost)} if lost else self.lost,
+        )
+
+    def alone(self, position: int) -> Progress:
+        """The same, nothing planned yet, with a single batch that holds one item."""
+        return replace(self, batches=(range(position, position + 1),), work={}, lost={})
+
+
+def begin(
+    config: Config, collection: Collection, recipes: Mapping[str, Recipe], read: Callable[[WorkItem], Artifact]
+) -> Progress:
+    """A run before its first stage; ``collection.items`` are in canonical order."""
+    batches = cut([item.digest for item in collection.items], config.batch)
+    return Progress(config, collection, tuple(batches), recipes, read)

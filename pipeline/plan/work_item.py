@@ -1,0 +1,87 @@
+"""Work items: what one artifact is made of, and recipes, which make the work items of a stage."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from pipeline.store.keys import KeyParts, SharedText, canonical_value
+
+Reference = tuple[str, str]
+"""(stage, key) of an artifact."""
+
+Pair = tuple[int, int]
+"""Positions of two items in the collection, the smaller first; or numbers of two batches, of a batch and a shard."""
+
+
+@dataclass(frozen=True)
+class WorkItem:
+    """One piece of work that makes one artifact.
+
+    ``sources`` are the artifacts that it reads; ``spec`` is what else its stage's ``run`` is told. ``members`` are the
+    positions of the collection's items that it concerns: all of a batch, two of a pair. ``block`` numbers the two
+    batches, or the batch and the shard, between which it lies.
+    """
+
+    parts: KeyParts
+    parameters: tuple[Any, ...]
+    sources: tuple[Reference, ...]
+    spec: Any
+    members: tuple[int, ...]
+    block: Pair | None = None
+
+    @property
+    def stage(self) -> str:
+        """Name of its stage."""
+        return self.parts.stage
+
+    @cached_property
+    def key(self) -> str:
+        """Its content key."""
+        return self.parts.key()
+
+    @property
+    def reference(self) -> Reference:
+        """(stage, key)."""
+        return self.stage, self.key
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What all work items of a stage share: its parameters, and the digests of its code. Frozen when a run starts."""
+
+    stage: str
+    parameters: tuple[Any, ...]
+    values: dict[str, Any]
+    """The parameters as plain values, by name, as they enter keys."""
+    code: dict[str, str]
+    versions: dict[str, str]
+
+    def parts(self, inputs: Sequence[str], spec: Any = None) -> KeyParts:
+        """Parts of the key of a work item; ``spec`` is whatever else the work depends on, as plain values."""
+        if spec is None:
+            return KeyParts(self.stage, self.values, tuple(inputs), self.code, self.versions, shared=self._shared)
+        values = {**self.values, "item": canonical_value(spec)}
+        return KeyParts(self.stage, values, tuple(inputs), self.code, self.versions)
+
+    def item(
+        self,
+        parts: KeyParts,
+        sources: Sequence[Reference] = (),
+        *,
+        spec: Any = None,
+        members: Sequence[int] = (),
+        block: Pair | None = None,
+    ) -> WorkItem:
+        """A work item whose key has these parts."""
+        return WorkItem(parts, self.parameters, tuple(sources), spec, tuple(members), block)
+
+    def after(self, earlier: WorkItem) -> WorkItem:
+        """The work item that reads the artifact of an ``earlier`` one and nothing else, on the same members."""
+        return self.item(self.parts([earlier.key]), [earlier.reference], members=earlier.members)
+
+    @cached_property
+    def _shared(self) -> SharedText:
+        return SharedText.of(KeyParts(self.stage, self.values, (), self.code, self.versions))

@@ -1,0 +1,26 @@
+"""How stages plan that read the artifacts of one other stage: a work item after each of its."""
+
+from __future__ import annotations
+
+from pipeline.datasets.colours import may_be_coloured
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+
+
+def after_each(progress: Progress, stage: str, earlier: str) -> list[WorkItem]:
+    """For each work item of the stage ``earlier``, whether it is done or not, one that reads its artifact alone."""
+    recipe = progress.recipes[stage]
+    return [recipe.after(item) for item in progress.work[earlier]]
+
+
+def after_motion(progress: Progress, stage: str, motion: WorkItem) -> WorkItem:
+    """The work item of ``stage`` that reads a motion, and those pictures of its pair that may have colours."""
+    recipe = progress.recipes[stage]
+    pictures = [progress.items[position] for position in motion.members]
+    of_folder = progress.config.dataset.kind == "folder"
+    spec = tuple(item if of_folder and may_be_coloured(item) else None for item in pictures)
+    if spec == (None, None):
+        return recipe.after(motion)
+    inputs = [motion.key, *(item.digest for item in spec if item is not None)]
+    parts = recipe.parts(inputs, [item is not None for item in spec])
+    return recipe.item(parts, [motion.reference], spec=spec, members=motion.members)

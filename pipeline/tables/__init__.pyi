@@ -1,0 +1,3 @@
+from . import schemas as schemas
+from . import sweep as sweep
+from . import write as write
