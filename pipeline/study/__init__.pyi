@@ -1,4 +1,5 @@
 from . import consistency as consistency
+from . import contents as contents
 from . import distributions as distributions
 from . import groundtruth as groundtruth
 from . import make as make

@@ -47,7 +47,7 @@ pipeline.runtime.guard_process.main(int(sys.argv[-1]))
 WORKER = """
 import sys
 import psutil
-from pipeline.plan.plan import WorkItem
+from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.guard import Guard
 from pipeline.store.keys import KeyParts
 guard = Guard(None)
