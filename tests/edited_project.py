@@ -21,6 +21,7 @@ from pipeline.plan.code_digest import Project as Code
 from pipeline.plan.module_facts import FactsCache
 from pipeline.plan.sources import AT_START, PACKAGES, Source
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages.all import STAGES
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
 from pipeline.tables import schemas as tables
@@ -167,10 +168,14 @@ class Edit:
         return self.cause.startswith(("code.", "versions."))
 
 
-STATIC = frozenset({"ingest", "reversibility", "trunks", "qcrs"})
+ALL = frozenset(stage.name for stage in STAGES) - {"shards", "partners", "pairs", "paper", "paint", "fabricate"}
+"""The stages of a usual run that makes no pictures."""
+OF_SHAPES = frozenset(stage.name for stage in STAGES if stage.scope == "batch")
+RATED = OF_SHAPES - {"trunks"}
+"""Stages that look for no trunks."""
+STATIC = OF_SHAPES | {"qcrs"}
 TRUNKS_ON = frozenset({"qcrs", "select"})
 CROSS_ON = frozenset({"crs", "refine", "shortlist", "construct", "motion"})
-ALL = frozenset({"ingest", "reversibility", "trunks", "trunks_full"}) | TRUNKS_ON | CROSS_ON
 
 
 def _code(module: str, old: str, new: str, again: Iterable[str]) -> Edit:
@@ -194,9 +199,7 @@ CODE = [
     _code("riot.parameters.trunks", "tau_s: float = ", "tau_s: float = 2 * ", ()),
     _code("riot.units", "L_C = 2.0", "L_C = 2.1", ALL),
     _code("riot.geometry.polyline", "def signed_area(", "def other_area(", ALL),
-    _code(
-        "riot.scores.trunks", "def quick_trunks(", "LIMIT = 1\n\n\ndef quick_trunks(", ALL - {"ingest", "reversibility"}
-    ),
+    _code("riot.scores.trunks", "def quick_trunks(", "LIMIT = 1\n\n\ndef quick_trunks(", ALL - RATED),
     _code("riot.scores.crs", "AREA_SLACK = 2e-3", "AREA_SLACK = 3e-3", CROSS_ON),
     _code("pipeline.stages.qcrs", "def run(", "@lambda run: run\ndef run(", TRUNKS_ON),
     _code("pipeline.stages.crs", "def items(", "@lambda items: items\ndef items(", ()),
@@ -211,7 +214,7 @@ PARAMETERS = [
     _parameter(
         "parameters.trunks.tau_s 0.1 → 0.11",
         lambda c: replace(c, trunks=replace(c.trunks, tau_s=0.11)),
-        ALL - {"ingest", "reversibility"},
+        ALL - RATED,
     ),
     _parameter(
         "parameters.qcrs.sigma_e 0.1 → 0.11", lambda c: replace(c, qcrs=replace(c.qcrs, sigma_e=0.11)), TRUNKS_ON

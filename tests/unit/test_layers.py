@@ -16,16 +16,14 @@ from pathlib import Path
 import pytest
 
 from pipeline.plan.code_digest import code_digests
+from pipeline.stages.all import STAGES
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("riot", "pipeline")
 LATE = ("pipeline.runtime.admission", "pipeline.runtime.cluster", "pipeline.store.filesystem.choose")
 """Modules with a function that is sent to other processes by itself, or with what only an extra makes importable."""
 
-COMPUTING = (
-    *("ingest", "reversibility", "trunks", "qcrs", "partners", "select", "trunks_full", "crs", "refine", "shortlist"),
-    *("construct", "motion", "paper"),
-)
+COMPUTING = [stage.name for stage in STAGES if stage.name not in ("paint", "fabricate")]
 """Stages before pictures are made."""
 
 
