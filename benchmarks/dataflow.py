@@ -24,7 +24,7 @@ from pipeline.config.schema import ClusterConfig, Config
 from pipeline.datasets.collection import Collection, DatasetConfig
 from pipeline.datasets.item import Item
 from pipeline.plan.progress import Progress, begin
-from pipeline.runtime.cluster import Executor, Here, open_cluster
+from pipeline.runtime.clusters import Executor, SyncExecutor, open_cluster
 from pipeline.runtime.execute import Run
 from pipeline.stages.all import BY_NAME, recipes
 from pipeline.stages.trunk_arrays import unpack_trunks
@@ -58,7 +58,7 @@ def dataflow_steps(paths: Sequence[Path], size: Size) -> list[Row]:
         digests = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
         items = [Item(name, "", str(path), digest) for name, path, digest in zip(names, paths, digests, strict=True)]
         store = Store(config.store)
-        run = Run(store, lambda event: None, Here)
+        run = Run(store, lambda event: None, SyncExecutor)
         plan = begin(
             config, Collection("benchmark", tuple(items)), recipes(config), lambda item: store.get(*item.reference)
         )
@@ -83,9 +83,9 @@ def _load(plan: Progress, store: Store) -> list[TrunkStack]:
 def _row(plan: Progress, root: Path, stacks: list[TrunkStack], jobs: list[Job], workers: int, size: Size) -> Row:
     if workers == 1:
         where = ""
-        staged = [_stage(plan, root, Here(), time.process_time) for _ in range(size.repeats)]
+        staged = [_stage(plan, root, SyncExecutor(), time.process_time) for _ in range(size.repeats)]
         bare = [_bare(stacks, jobs) for _ in range(size.repeats)]
-        share = parts(lambda _: _stage(plan, root, Here(), time.process_time), [0])
+        share = parts(lambda _: _stage(plan, root, SyncExecutor(), time.process_time), [0])
     else:
         where, share = f" on {workers} processes", "wall time × processes"
         with open_cluster(ClusterConfig(kind="local", workers=workers)) as executor:

@@ -13,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from pipeline.stages.registry import STAGES
+from pipeline.stages.all import STAGES
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -6,12 +6,14 @@ travels by value, so that a worker without this project can be asked, too.
 
 from __future__ import annotations
 
+import time
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from pipeline.errors import StartError
 from pipeline.explain.causes import explain, gather
 from pipeline.plan.code_digest import code_digests, file_digest, library_versions
 from pipeline.stages.all import STAGES
@@ -23,6 +25,9 @@ Identity = Mapping[str, Any]
 
 NAMED = 3
 """So many differences of a refused worker are named."""
+
+SECONDS_BETWEEN_LOOKS = 1
+"""Seconds between looks for workers while there is none."""
 
 
 def identity() -> Identity:
@@ -49,20 +54,40 @@ class Admission:
     def threads(self) -> dict[str, int]:
         """Threads of the admitted workers that are there now, by address."""
         present: dict[str, int] = self._client.nthreads()
-        self._answered = {address: said for address, said in self._answered.items() if address in present}
+        self._answered = {address: text for address, text in self._answered.items() if address in present}
         new = sorted(present.keys() - self._answered.keys())
         if new:
             self._ask(new)
-        found = {address: int(count) for address, count in present.items() if self._answered.get(address) == ""}
-        if self._had_some and not found:
+        admitted = {address: int(count) for address, count in present.items() if self._answered.get(address) == ""}
+        if self._had_some and not admitted:
             self._tell("all workers have gone: waiting for others to join")
-        self._had_some = bool(found)
-        return found
+        self._had_some = bool(admitted)
+        return admitted
+
+    def wait(self, cluster: str, seconds: float, hint: str, job_refusals: Callable[[], Sequence[str]] = tuple) -> None:
+        """Wait until a worker is admitted. Raises `StartError` after ``seconds``, or when jobs are refused.
+
+        ``cluster`` and ``hint`` tell the user where workers are missing and how to get some; ``job_refusals`` returns
+        why no job can start, if that is known.
+        """
+        until = time.monotonic() + seconds
+        while not self.threads():
+            if refusals := job_refusals():
+                raise StartError(f"{cluster}: no job could be submitted: {'; '.join(refusals)}")
+            if time.monotonic() < until:
+                time.sleep(min(SECONDS_BETWEEN_LOOKS, seconds / 4))
+            elif self.refusals:
+                raise StartError("cluster: none of its workers will do\n  " + "\n  ".join(self.refusals))
+            else:
+                raise StartError(
+                    f"{cluster}: the scheduler has no worker after {seconds} s; {hint}, or wait longer "
+                    "with cluster.wait=SECONDS"
+                )
 
     @property
     def refusals(self) -> list[str]:
         """Why workers that are there now were refused, one line each."""
-        return [f"{address}: {said}" for address, said in sorted(self._answered.items()) if said]
+        return [f"{address}: {text}" for address, text in sorted(self._answered.items()) if text]
 
     def _ask(self, addresses: list[str]) -> None:
         with _probe(self._root) as probe:
@@ -73,10 +98,10 @@ class Admission:
         for address, answer in sorted(answers.items()):
             if isinstance(answer, OSError):
                 continue
-            said = objection(self._own, answer, self._root)
-            self._answered[address] = said
-            if said:
-                self._tell(f"worker {address} is refused: {said}")
+            text = objection(self._own, answer, self._root)
+            self._answered[address] = text
+            if text:
+                self._tell(f"worker {address} is refused: {text}")
 
 
 def objection(own: Identity, answer: Any, root: Location | None) -> str:

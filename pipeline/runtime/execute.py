@@ -11,8 +11,9 @@ from dataclasses import dataclass, field, replace
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError, StorageError
 from pipeline.plan.work_item import Reference, WorkItem
-from pipeline.runtime.cluster import Bundle, Executor, Here, open_cluster
+from pipeline.runtime.clusters import Bundle, Executor, SyncExecutor, open_cluster
 from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
+from pipeline.runtime.retries import MACHINE_FAULTS, MACHINE_TRIES
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
 from pipeline.stages.stage import Stage
@@ -20,10 +21,6 @@ from pipeline.store.artifact import Artifact
 from pipeline.store.location import Location
 from pipeline.store.store import State, Store
 
-MAX_TRIES = 3
-"""A work item is tried so often when the machine fails it (memory, files), never when the item itself is at fault."""
-
-RETRIED = frozenset({"OSError", "MemoryError", "BlockingIOError", "TimeoutError", "PermissionError", "PayloadError"})
 TASKS_PER_WORKER = 4
 
 
@@ -61,7 +58,7 @@ class Run:
         if ready:
             if self.unwritable is not None:
                 raise self.unwritable
-            executor = Here() if stage.here else self.cluster()
+            executor = SyncExecutor() if stage.here else self.cluster()
             spent = self._work(executor, ready)
         ended = StageEnded(
             stage=stage.name,
@@ -133,7 +130,7 @@ class Run:
     def _work(self, executor: Executor, ready: dict[Reference, WorkItem]) -> list[Receipt]:
         spent: list[Receipt] = []
         pending = list(ready.values())
-        for tries in range(1, MAX_TRIES + 1):
+        for tries in range(1, MACHINE_TRIES + 1):
             again: list[WorkItem] = []
             for receipt in executor.run(self.store.text, bundles(pending, executor.workers)):
                 spent.append(receipt)
@@ -142,7 +139,7 @@ class Run:
                     self.done.add(reference)
                 elif receipt.failure.type == StorageError.__name__:  # no other artifact can be written there either
                     raise StorageError(receipt.failure.message)
-                elif receipt.failure.type in RETRIED and tries < MAX_TRIES:
+                elif receipt.failure.type in MACHINE_FAULTS and tries < MACHINE_TRIES:
                     again.append(ready[reference])
                     continue
                 else:

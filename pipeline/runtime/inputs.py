@@ -1,4 +1,4 @@
-"""What the work items of a task read: each input once, kept while it is wanted again and there is room."""
+"""The inputs of a task's work items: each is read once, and kept while it is needed again and fits in memory."""
 
 from __future__ import annotations
 
@@ -14,103 +14,103 @@ from pipeline.stages.all import BY_NAME
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import Store
 
-ROOM = 160 * 2**20
-"""Bytes of the artifacts whose prepared forms a worker keeps; the forms take about twice as many."""
+CACHE_BYTES = 160 * 2**20
+"""A worker keeps prepared inputs of artifacts of at most this size; the prepared ones take about twice as much."""
 
 Prepare = Callable[[Artifact], Any]
 
 
-class Kept:
-    """Prepared inputs of one stage that a worker keeps, from one task to the next where the stage works in tiles.
+class InputCache:
+    """Prepared inputs of one stage, which a worker keeps from one task to the next where the stage works in tiles.
 
-    They are named by content and take a bounded number of bytes, so that what is kept changes no result. A task of
-    another stage lets all of them go.
+    They are named by content, so that the cache changes no result, and their size is bounded. A task of another stage
+    empties the cache.
     """
 
-    def __init__(self, room: int = ROOM) -> None:
-        self._room, self._stage, self._size = room, "", 0
-        self._held: dict[Reference, tuple[Any, int]] = {}
+    def __init__(self, limit: int = CACHE_BYTES) -> None:
+        self._limit, self._stage, self._size = limit, "", 0
+        self._entries: dict[Reference, tuple[Any, int]] = {}
         self._lock = threading.Lock()  # a worker of an external cluster may have several threads
 
     @property
     def size(self) -> int:
-        """Bytes of the artifacts whose prepared forms are kept."""
+        """Bytes of the artifacts whose prepared inputs are in the cache."""
         return self._size
 
     def begin(self, stage: str) -> None:
-        """Let go of another stage's inputs."""
+        """Drop the inputs of another stage."""
         with self._lock:
             if stage != self._stage:
-                self._held.clear()
+                self._entries.clear()
                 self._stage, self._size = stage, 0
 
     def get(self, source: Reference) -> Any:
-        """A kept input; None when it is not kept."""
+        """An input; None when it is not in the cache."""
         with self._lock:
-            found = self._held.pop(source, None)
-            if found is None:
+            entry = self._entries.pop(source, None)
+            if entry is None:
                 return None
-            self._held[source] = found  # now the last that was used
-            return found[0]
+            self._entries[source] = entry  # the last entry is the one used last
+            return entry[0]
 
-    def keep(self, source: Reference, prepared: Any, size: int, wanted: Callable[[Reference], float]) -> None:
-        """Keep an input; without room those go that are ``wanted`` last, of equal ones the one used longest ago."""
+    def keep(self, source: Reference, prepared: Any, size: int, next_use: Callable[[Reference], float]) -> None:
+        """Keep an input. When it does not fit, drop the inputs whose next use is last, of equal ones the oldest."""
         with self._lock:
-            if source in self._held:
+            if source in self._entries:
                 return
-            self._held[source] = prepared, size
+            self._entries[source] = prepared, size
             self._size += size
-            while self._size > self._room:
-                last = max(self._held, key=wanted)
-                self._size -= self._held.pop(last)[1]
+            while self._size > self._limit:
+                last = max(self._entries, key=next_use)
+                self._size -= self._entries.pop(last)[1]
 
     def drop(self, source: Reference) -> None:
-        """Let go of one input."""
+        """Drop one input."""
         with self._lock:
-            self._size -= self._held.pop(source, (None, 0))[1]
+            self._size -= self._entries.pop(source, (None, 0))[1]
 
 
 class Inputs:
-    """Prepared inputs of the work items of one task, which are worked on in order: what it will read is known."""
+    """Prepared inputs of the work items of one task, which run in order, so that each input's next use is known."""
 
-    def __init__(self, store: Store, items: Sequence[WorkItem], kept: Kept) -> None:
-        self._store, self._kept = store, kept
+    def __init__(self, store: Store, items: Sequence[WorkItem], cache: InputCache) -> None:
+        self._store, self._cache = store, cache
         self._uses: dict[Reference, list[int]] = defaultdict(list)
-        for place, item in enumerate(items):
+        for position, item in enumerate(items):
             for source in item.sources:
-                self._uses[source].append(place)
+                self._uses[source].append(position)
 
-    def of(self, place: int, item: WorkItem, prepare: Prepare) -> Sequence[Any]:
-        """The prepared inputs of the item at ``place``, each read when it is asked for.
+    def of(self, position: int, item: WorkItem, prepare: Prepare) -> Sequence[Any]:
+        """The prepared inputs of the item at a ``position`` of the task; each is read when it is accessed.
 
-        Asking raises KeyError when an input is absent, `pipeline.errors.PayloadError` when it is corrupt.
+        The access raises KeyError when an input is absent, `pipeline.errors.PayloadError` when it is corrupt.
         """
-        self._kept.begin(item.stage)
-        lasting = BY_NAME[item.stage].tile > 0
-        return _Asked(item.sources, lambda source: self._get(source, place, prepare, lasting))
+        self._cache.begin(item.stage)
+        is_tiled = BY_NAME[item.stage].tile > 0
+        return _LazyInputs(item.sources, lambda source: self._get(source, position, prepare, is_tiled))
 
-    def _get(self, source: Reference, place: int, prepare: Prepare, lasting: bool) -> Any:
-        again = lasting or self._next(source, place) < math.inf
-        prepared = self._kept.get(source)
+    def _get(self, source: Reference, position: int, prepare: Prepare, is_tiled: bool) -> Any:
+        is_kept = is_tiled or self._next_use(source, position) < math.inf
+        prepared = self._cache.get(source)
         if prepared is None:
             artifact = self._store.get(*source)
             prepared = prepare(artifact)
-            if again:
+            if is_kept:
                 size = sum(array.nbytes for array in artifact.arrays.values())
-                self._kept.keep(source, prepared, size, lambda kept: self._next(kept, place))
-        elif not again:
-            self._kept.drop(source)
+                self._cache.keep(source, prepared, size, lambda other: self._next_use(other, position))
+        elif not is_kept:
+            self._cache.drop(source)
         return prepared
 
-    def _next(self, source: Reference, place: int) -> float:
-        """The first item after ``place`` that reads a source; infinity when there is none."""
+    def _next_use(self, source: Reference, position: int) -> float:
+        """The position of the next item after ``position`` that reads a source; infinity when there is none."""
         uses = self._uses.get(source, [])
-        at = bisect_right(uses, place)
-        return uses[at] if at < len(uses) else math.inf
+        index = bisect_right(uses, position)
+        return uses[index] if index < len(uses) else math.inf
 
 
-class _Asked(Sequence[Any]):
-    """Inputs that are read when they are asked for: a selection has more of them than may be held at once."""
+class _LazyInputs(Sequence[Any]):
+    """Inputs that are read when they are accessed: a selection has more of them than fit in memory at once."""
 
     def __init__(self, sources: Sequence[Reference], get: Callable[[Reference], Any]) -> None:
         self._sources, self._get = sources, get
@@ -121,7 +121,7 @@ class _Asked(Sequence[Any]):
     def __getitem__(self, index: slice) -> Sequence[Any]: ...
     def __getitem__(self, index: int | slice) -> Any:
         if isinstance(index, slice):
-            return _Asked(self._sources[index], self._get)
+            return _LazyInputs(self._sources[index], self._get)
         return self._get(self._sources[index])
 
     def __iter__(self) -> Iterator[Any]:

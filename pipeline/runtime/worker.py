@@ -1,4 +1,4 @@
-"""What a worker does: read inputs from the store, run the stage's work, write the artifact, return a receipt."""
+"""What a worker does: read inputs from the store, run the stage, write the artifact, and return a receipt."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from pipeline.plan.work_item import WorkItem
-from pipeline.runtime.inputs import Inputs, Kept
+from pipeline.runtime.inputs import InputCache, Inputs
+from pipeline.runtime.retries import DEADLY
 from pipeline.stages.all import checked_stage, code_text
 from pipeline.store.location import parse_location
 from pipeline.store.store import State, Store
-
-DEADLY = frozenset({"TimeLimit", "ProcessLost", "KilledWorker", "WorkerLost"})
-"""Types of failures that nothing raised."""
 
 
 @dataclass(frozen=True)
@@ -45,26 +43,26 @@ class Receipt:
     failure: Failure | None = None
 
 
-def perform(root: str, items: Sequence[WorkItem], kept: Kept) -> Iterator[Receipt]:
-    """Do some work items, one after another, against the store at ``root``; a failure stays with its item.
+def run_items(root: str, items: Sequence[WorkItem], cache: InputCache) -> Iterator[Receipt]:
+    """Run work items one after another against the store at ``root``; a failure stays with its item.
 
-    Inputs that the worker keeps are in ``kept``, which it passes with every task.
+    ``cache`` holds inputs from one task of this process to the next.
     """
     store = Store(parse_location(root))
-    inputs = Inputs(store, items, kept)
-    for place, item in enumerate(items):
-        yield _perform_one(store, inputs, place, item)
+    inputs = Inputs(store, items, cache)
+    for position, item in enumerate(items):
+        yield _run_item(store, inputs, position, item)
 
 
-def _perform_one(store: Store, inputs: Inputs, place: int, item: WorkItem) -> Receipt:
+def _run_item(store: Store, inputs: Inputs, position: int, item: WorkItem) -> Receipt:
     wall, cpu = time.perf_counter(), time.process_time()
     if store.state(*item.reference) is State.PRESENT:
-        # Since the stage began another run has made it, or a worker that was lost with its receipts.
+        # Another run has made it since the stage began, or a worker that was lost with its receipts has.
         return Receipt(item.stage, item.key)
     failure = None
     try:
         stage = checked_stage(item.stage, code_text(item.parts.code, item.parts.versions))
-        artifact = stage.run(inputs.of(place, item, stage.prepare), item.parameters, item.spec)
+        artifact = stage.run(inputs.of(position, item, stage.prepare), item.parameters, item.spec)
         seconds, cpu_seconds = time.perf_counter() - wall, time.process_time() - cpu
         store.put(item.parts, artifact, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": _peak_mb()})
     except Exception as error:

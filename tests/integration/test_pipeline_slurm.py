@@ -21,9 +21,9 @@ from pipeline.errors import StartError
 from pipeline.flow import run_pipeline
 from pipeline.plan.sources import ROOT
 from pipeline.runtime.admission import Admission
-from pipeline.runtime.cluster import open_cluster
+from pipeline.runtime.clusters import open_cluster
+from pipeline.runtime.clusters.slurm_jobs import Jobs, slurm_cluster
 from pipeline.runtime.events import ItemDone, Note
-from pipeline.runtime.slurm import Jobs, slurm_cluster
 
 LIMIT = "sbatch: error: QOSMaxSubmitJobPerUserLimit"
 HERE = ("cluster=slurm", "cluster.interface=lo")
@@ -83,7 +83,7 @@ def test_an_interrupt_cancels_all_jobs_and_one_that_dies_is_replaced(
     assert driver.returncode == INTERRUPTED and "the same command goes on" in said and "Traceback" not in said
     assert len(slurm.submitted) == 2 and set(slurm.cancelled) == set(slurm.submitted) and slurm.ended()
 
-    monkeypatch.setattr("pipeline.runtime.cluster.PATIENCE", 3)
+    monkeypatch.setattr("pipeline.runtime.clusters.dask_executor.PATIENCE", 3)
     noted: list[str] = []
 
     def listen(event: object) -> None:

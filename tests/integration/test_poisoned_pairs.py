@@ -36,7 +36,7 @@ BATCHES = 4
 
 
 class Died(Exception):
-    """Stands for the end of the process: the guard tells it from an error by its type, and so it is here."""
+    """Stands for the end of the process: a run tells it from an error by its type, and so it is here."""
 
 
 class Planted:

@@ -50,8 +50,8 @@ def _suspect(module: str) -> bool:
 def test_no_module_runs_what_it_reads() -> None:
     used = {path.relative_to(ROOT).as_posix(): found(ast.parse(path.read_bytes())) for path in SOURCES}
     assert {path: names for path, names in used.items() if names} == {
-        "pipeline/runtime/guard_process.py": {CONNECTION},
-        "pipeline/runtime/guard.py": {CONNECTION},
+        "pipeline/runtime/isolated_process.py": {CONNECTION},
+        "pipeline/runtime/isolation.py": {CONNECTION},
     }
 
 

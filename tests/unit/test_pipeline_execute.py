@@ -13,9 +13,11 @@ import pytest
 from pipeline.config.schema import ClusterConfig
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime import worker as perform_module
-from pipeline.runtime.cluster import MAX_ATTEMPTS, Bundle, Here, OnDask, _receipts, open_cluster
+from pipeline.runtime.clusters import Bundle, SyncExecutor, open_cluster
+from pipeline.runtime.clusters.dask_executor import DaskExecutor, receipts_of
 from pipeline.runtime.events import Event, ItemDone, StageEnded, StageStarted
-from pipeline.runtime.execute import MAX_TRIES, Run, bundles, tiles
+from pipeline.runtime.execute import Run, bundles, tiles
+from pipeline.runtime.retries import MACHINE_TRIES, WORKER_TRIES
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
 from pipeline.store.artifact import Artifact
@@ -109,8 +111,8 @@ def test_the_machine_gets_more_tries_and_the_item_does_not(tmp_path: Path) -> No
     executor = Scripted({"once": [disk], "always": [disk] * 9, "item": [Failure("LookupError", "it")] * 9})
     state = run(tmp_path, executor)
     state.stage(BY_NAME["crs"], [item("once"), item("always"), item("item")])
-    assert [executor.seen.count(name) for name in ("once", "always", "item")] == [2, MAX_TRIES, 1]
-    assert {failure.attempts for failure in state.failed.values()} == {MAX_TRIES, 1}
+    assert [executor.seen.count(name) for name in ("once", "always", "item")] == [2, MACHINE_TRIES, 1]
+    assert {failure.attempts for failure in state.failed.values()} == {MACHINE_TRIES, 1}
     assert item("once").reference in state.done
 
 
@@ -151,7 +153,7 @@ def test_a_tile_is_between_so_many_inputs_and_so_many_others() -> None:
 
 def test_a_worker_refuses_to_write_what_other_code_computes(tmp_path: Path) -> None:
     stale = WorkItem(KeyParts("select", {}, (), {"pipeline.stages.select": "0"}, {}), (), (), None, ())
-    (receipt,) = Here().run(str(tmp_path), [[stale]])
+    (receipt,) = SyncExecutor().run(str(tmp_path), [[stale]])
     assert receipt.failure is not None and "code" in receipt.failure.message
     assert Store(tmp_path).state("select", stale.key) is State.ABSENT
 
@@ -169,14 +171,14 @@ def test_lost_workers_are_replaced_and_a_deadly_item_is_given_up(tmp_path: Path)
     work = [[item(name)] for name in ("a", "unlucky", "b", "c")]
     work.append([item("deadly"), item("beside it")])
     with open_cluster(ClusterConfig("local", workers=2)) as opened:
-        assert isinstance(opened, OnDask)
+        assert isinstance(opened, DaskExecutor)
         executor = replace(opened, task=task)
         receipts = {receipt.key: receipt for receipt in executor.run(str(tmp_path), work)}
     assert len(receipts) == 6
     failed = {key: receipt.failure for key, receipt in receipts.items() if receipt.failure is not None}
     assert list(failed) == [item("deadly").key]
     (failure,) = failed.values()
-    assert failure is not None and failure.type == "KilledWorker" and failure.attempts == MAX_ATTEMPTS
+    assert failure is not None and failure.type == "KilledWorker" and failure.attempts == WORKER_TRIES
 
 
 def test_receipts_lost_with_their_worker_are_asked_for_again() -> None:
@@ -187,15 +189,15 @@ def test_receipts_lost_with_their_worker_are_asked_for_again() -> None:
             assert timeout > 0  # without one it waits for a worker that may never come
             raise OSError("the worker is gone")
 
-    class Kept:
+    class Arrived:
         status = "finished"
 
         def result(self, timeout: float) -> list[Receipt]:
             assert timeout > 0  # without one it waits for a worker that may never come
             return [Receipt("crs", "key")]
 
-    assert _receipts(Lost()) is None
-    assert _receipts(Kept()) == [Receipt("crs", "key")]
+    assert receipts_of(Lost()) is None
+    assert receipts_of(Arrived()) == [Receipt("crs", "key")]
 
 
 def test_receipts_tell_time_and_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -204,5 +206,5 @@ def test_receipts_tell_time_and_memory(tmp_path: Path, monkeypatch: pytest.Monke
         "checked_stage",
         lambda name, code: replace(BY_NAME[name], run=lambda inputs, parameters, spec: Artifact()),
     )
-    (receipt,) = Here().run(str(tmp_path), [[item("a")]])
+    (receipt,) = SyncExecutor().run(str(tmp_path), [[item("a")]])
     assert receipt.failure is None and receipt.seconds > 0 and receipt.peak_mb > 1

@@ -13,7 +13,7 @@ from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
 from pipeline.plan.progress import Progress, begin
 from pipeline.plan.work_item import WorkItem
-from pipeline.runtime.cluster import Bundle
+from pipeline.runtime.clusters import Bundle
 from pipeline.runtime.events import Event, Note
 from pipeline.runtime.execute import Run
 from pipeline.runtime.quarantine import OF_SHAPES, bring_shapes

@@ -6,7 +6,7 @@ Only in the processes beside workers, which do their work.
 import os
 import sys
 
-if "pipeline.runtime.guard_process" in sys.orig_argv:
+if "pipeline.runtime.isolated_process" in sys.orig_argv:
     import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
     from pipeline.store.store import Store
 

@@ -1,27 +1,31 @@
-"""The process beside a worker: ``python -m pipeline.runtime.guard_process DESCRIPTOR`` does what the guard sends it."""
+"""The process beside a worker: ``python -m pipeline.runtime.isolated_process NUMBER`` runs what the worker sends it."""
 
 from __future__ import annotations
 
 import contextlib
 import signal
 import sys
+from collections.abc import Callable, Iterator, Sequence
 from multiprocessing.connection import Connection
 
 import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
-from pipeline.runtime.inputs import Kept
-from pipeline.runtime.worker import perform
+from pipeline.plan.work_item import WorkItem
+from pipeline.runtime.inputs import InputCache
+from pipeline.runtime.worker import Receipt, run_items
+
+RunItems = Callable[[str, Sequence[WorkItem], InputCache], Iterator[Receipt]]
 
 
-def main(descriptor: int) -> None:
-    """Do task after task; end when the worker does, or by the alarm's signal when an item takes too long."""
-    # Nothing of Python's handles it: the system ends the process, whatever it is in.
+def main(descriptor: int, run: RunItems = run_items) -> None:
+    """Run task after task; end when the worker ends, or by the alarm's signal when an item takes too long."""
+    # Python must not handle it: the system then ends the process, whatever code it is in.
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run's own process answers
-    kept = Kept()
+    cache = InputCache()
     with Connection(descriptor) as connection, contextlib.suppress(EOFError, OSError):
         while True:
             root, items, limit = connection.recv()
-            receipts = perform(root, items, kept)
+            receipts = run(root, items, cache)
             for _ in items:
                 signal.setitimer(signal.ITIMER_REAL, limit or 0.0)
                 receipt = next(receipts)

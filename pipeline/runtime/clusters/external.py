@@ -1,0 +1,36 @@
+"""``cluster=external``: the workers of a Dask scheduler that somebody else started."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from functools import partial
+
+from pipeline.config.schema import ClusterConfig
+from pipeline.errors import StartError
+from pipeline.runtime.admission import Admission
+from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker, set_dask_options
+from pipeline.runtime.clusters.executor import Executor
+from pipeline.runtime.events import Listener, Note
+from pipeline.store.location import Location
+
+
+@contextlib.contextmanager
+def open_external(config: ClusterConfig, root: Location | None, listen: Listener) -> Iterator[Executor]:
+    """Connect to the scheduler at ``config.address`` and wait for a worker that is admitted."""
+    from distributed import Client
+
+    set_dask_options()
+    try:
+        client = Client(config.address, timeout=config.wait)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise StartError(
+            f"cluster.address={config.address}: no Dask scheduler answers there ({error}); "
+            "start one with `dask scheduler` and workers with `dask worker`, or use cluster=local"
+        ) from error
+    with client:
+        admission = Admission(client, root, lambda text: listen(Note(text)))
+        admission.wait(
+            f"cluster.address={config.address}", config.wait, f"start some with `dask worker {config.address}`"
+        )
+        yield DaskExecutor(client, partial(run_on_worker, limit=config.limit), admission=admission)

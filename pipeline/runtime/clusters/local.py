@@ -1,0 +1,40 @@
+"""``cluster=local``: worker processes of this machine, with one thread each."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import signal
+from collections.abc import Iterator
+from functools import partial
+
+from pipeline.config.schema import ClusterConfig
+from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker, set_dask_options
+from pipeline.runtime.clusters.executor import Executor
+from pipeline.runtime.interrupts import interrupts_handled_by
+from pipeline.runtime.threads import ONE_THREAD
+
+
+@contextlib.contextmanager
+def open_local(config: ClusterConfig) -> Iterator[Executor]:
+    """Start the workers, as many as the machine has cores if the configuration does not say; end them afterwards."""
+    from distributed import Client, LocalCluster
+
+    set_dask_options(watched=config.dashboard)
+    workers = config.workers or os.cpu_count() or 1
+    # The terminal sends Ctrl-C to all processes, and only this one should answer.
+    with interrupts_handled_by(signal.SIG_IGN):
+        cluster = LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=":8787" if config.dashboard else ":0",  # with None Dask tries 8787 all the same
+            memory_limit=0,  # a limit would kill by the machine's size, so that results would depend on it
+            env=ONE_THREAD,
+            silence_logs=logging.CRITICAL,
+        )
+    with cluster, Client(cluster) as client:
+        # A worker that dies while it starts takes its nanny with it; scaling to the same size starts another.
+        task = partial(run_on_worker, limit=config.limit)
+        yield DaskExecutor(client, task, replace_workers=lambda: cluster.scale(workers))

@@ -1,0 +1,40 @@
+"""Opening a cluster, whichever kind the configuration names."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+
+from pipeline.config.schema import ClusterConfig
+from pipeline.runtime.clusters.executor import Executor
+from pipeline.runtime.clusters.external import open_external
+from pipeline.runtime.clusters.local import open_local
+from pipeline.runtime.clusters.slurm import open_slurm
+from pipeline.runtime.clusters.sync import SyncExecutor
+from pipeline.runtime.events import Listener
+from pipeline.store.location import Location
+
+
+def ignore(_event: object) -> None:
+    """A listener that does nothing."""
+
+
+@contextlib.contextmanager
+def open_cluster(config: ClusterConfig, root: Location | None = None, listen: Listener = ignore) -> Iterator[Executor]:
+    """Open the cluster that the configuration names and close it afterwards.
+
+    Workers beyond this machine must see the store ``root``; ``listen`` gets a note of each worker that is refused.
+    Raises `StartError` when the cluster cannot be reached or all of its workers are refused.
+    """
+    match config.kind:
+        case "sync":
+            yield SyncExecutor()
+        case "local":
+            with open_local(config) as executor:
+                yield executor
+        case "external":
+            with open_external(config, root, listen) as executor:
+                yield executor
+        case "slurm":
+            with open_slurm(config, root, listen) as executor:
+                yield executor

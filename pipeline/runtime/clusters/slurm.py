@@ -1,0 +1,55 @@
+"""``cluster=slurm``: the workers of Slurm jobs, which join a scheduler in this process."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import signal
+from collections.abc import Iterator
+from functools import partial
+from types import ModuleType
+
+from pipeline.config.schema import ClusterConfig
+from pipeline.errors import StartError
+from pipeline.runtime import clusters
+from pipeline.runtime.admission import Admission
+from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker, set_dask_options
+from pipeline.runtime.clusters.executor import Executor
+from pipeline.runtime.events import Listener, Note
+from pipeline.runtime.interrupts import interrupts_handled_by
+from pipeline.store.location import Location
+
+
+@contextlib.contextmanager
+def open_slurm(config: ClusterConfig, root: Location | None, listen: Listener) -> Iterator[Executor]:
+    """Submit the jobs and wait for a worker that is admitted; cancel the jobs afterwards."""
+    from distributed import Client
+
+    set_dask_options()
+    for program in ("sbatch", "scancel"):
+        if shutil.which(program) is None:
+            raise StartError(
+                f"cluster=slurm: there is no `{program}` here; start the run where Slurm jobs are submitted"
+            )
+    slurm_jobs = _load_jobs()
+    try:
+        cluster = slurm_jobs.slurm_cluster(config)
+    except (OSError, RuntimeError, ValueError) as error:  # no such interface, a size that is none, a folder for logs
+        raise StartError(f"cluster=slurm: {error}; conf/cluster/slurm.yaml has its parameters") from error
+    with cluster, Client(cluster) as client:
+        jobs = slurm_jobs.Jobs(cluster, config.jobs, lambda text: listen(Note(text)))
+        jobs.submit()
+        admission = Admission(client, root, lambda text: listen(Note(text)))
+        admission.wait("cluster=slurm", config.wait, "look at `squeue`", lambda: jobs.refusals)
+        task = partial(run_on_worker, limit=config.limit)
+        yield DaskExecutor(client, task, replace_workers=jobs.submit, admission=admission)
+
+
+def _load_jobs() -> ModuleType:
+    """`pipeline.runtime.clusters.slurm_jobs`, which needs dask-jobqueue."""
+    try:
+        # Once dask-jobqueue is loaded, Ctrl-C would end this process with exit code 0, as if all were done.
+        with interrupts_handled_by(signal.getsignal(signal.SIGINT)):
+            return clusters.slurm_jobs
+    except ImportError as error:
+        raise StartError("cluster=slurm needs dask-jobqueue: pip install 'riot-shapes[slurm]'") from error
