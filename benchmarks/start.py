@@ -22,8 +22,11 @@ import sys, time
 from pathlib import Path
 began = time.process_time()
 from pipeline.plan import code_digest
-cache = code_digest.FactsCache(code_digest.PACKAGES, Path(sys.argv[1]))
-code_digest.PROJECT = code_digest.Project(code_digest.AT_START, cache)
+from pipeline.plan.closure import Project
+from pipeline.plan.module_facts import FactsCache
+from pipeline.plan.sources import AT_START, PACKAGES
+cache = FactsCache(PACKAGES, Path(sys.argv[1]))
+code_digest.PROJECT = Project(AT_START, cache)
 for module in sys.argv[2:]:
     code_digest.code_digests(module)
     code_digest.library_versions(module)

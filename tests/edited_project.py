@@ -17,7 +17,7 @@ from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetConfig, collect
 from pipeline.explain.forecast import Forecast, forecast
 from pipeline.plan import code_digest
-from pipeline.plan.code_digest import Project as Code
+from pipeline.plan.closure import Project as Code
 from pipeline.plan.module_facts import FactsCache
 from pipeline.plan.sources import AT_START, PACKAGES, Source
 from pipeline.plan.work_item import WorkItem
@@ -178,8 +178,8 @@ TRUNKS_ON = frozenset({"qcrs", "select"})
 CROSS_ON = frozenset({"crs", "refine", "shortlist", "construct", "motion"})
 
 
-def _code(module: str, old: str, new: str, again: Iterable[str]) -> Edit:
-    cause = f"code.{module}" if again else ""
+def _code(module: str, old: str, new: str, again: Iterable[str], part: str = "") -> Edit:
+    cause = f"code.{module}{part}" if again else ""
     return Edit(f"{module}: {new[:20]!r}", lambda p: p.edit(module, old, new), frozenset(again), cause)
 
 
@@ -191,23 +191,34 @@ def _library(name: str, again: Iterable[str]) -> Edit:
     return Edit(name, lambda p: p.library(name), frozenset(again), f"versions.{name}" if again else "")
 
 
+FUTURE = "from __future__ import annotations\n"
+
+SHOWN = (
+    "riot.draw.palette",
+    "riot.draw.svg",
+    "riot.draw.scene",
+    "pipeline.report.page",
+    "pipeline.config.schema",
+    "pipeline.plan.progress",
+)
+"""Code that plans results or shows them, and makes none."""
+
 CODE = [
     _code("riot.scores.trunks", '"""', '"""Other words. ', ()),
     _code("riot.geometry.polyline", "def signed_area(", "# a comment\ndef signed_area(", ()),
     _code("pipeline.store.store", "def put(", "def new(self) -> None: ...\n\n    def put(", ()),
     _code("pipeline.runtime.retries", "WORKER_TRIES = ", "WORKER_TRIES = 1 + ", ()),
-    _code("riot.parameters.method", "tau_s: float = ", "tau_s: float = 2 * ", ()),
+    _code("riot.parameters.trunks", "tau_s: float = ", "tau_s: float = 2 * ", ()),
     _code("riot.units", "L_C = 2.0", "L_C = 2.1", ALL),
     _code("riot.geometry.polyline", "def signed_area(", "def other_area(", ALL),
     _code("riot.scores.trunks", "def quick_trunks(", "LIMIT = 1\n\n\ndef quick_trunks(", ALL - RATED),
     _code("riot.scores.crs", "AREA_SLACK = 2e-3", "AREA_SLACK = 3e-3", CROSS_ON),
-    _code("pipeline.stages.qcrs", "def run(", "@lambda run: run\ndef run(", TRUNKS_ON),
-    _code("pipeline.stages.crs", "def items(", "@lambda items: items\ndef items(", ()),
+    _code("pipeline.stages.qcrs", "def run(", "@staticmethod\ndef run(", TRUNKS_ON, ":run"),
+    _code("pipeline.stages.motion", "def run(", "@staticmethod\ndef run(", {"motion"}, ":run"),
+    _code("pipeline.stages.construct", "def run(", "@staticmethod\ndef run(", {"construct", "motion"}, ":run"),
+    *(_code(module, FUTURE, f"{FUTURE}EDITED = 1\n", ()) for module in SHOWN),
+    *(_code(f"pipeline.stages.{stage}", "def items(", "@staticmethod\ndef items(", ()) for stage in ("qcrs", "motion")),
     _code("pipeline.stages.crs", '"area terms evaluated"', '"area terms"', ()),
-    _code("riot.draw.palette", "from __future__", "EDITED = 1\nfrom __future__", ()),
-    _code("riot.draw.svg", "from __future__", "EDITED = 1\nfrom __future__", ()),
-    _code("pipeline.stages.motion", "def run(", "@lambda run: run\ndef run(", {"motion"}),
-    _code("pipeline.stages.construct", "def run(", "@lambda run: run\ndef run(", {"construct", "motion"}),
 ]
 
 PARAMETERS = [

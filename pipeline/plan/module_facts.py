@@ -15,15 +15,16 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from pipeline.plan.module_uses import module_uses
-from pipeline.plan.reached_code import reached_code
 from pipeline.plan.sources import AT_START, ROOT
+from pipeline.plan.stage_parts import Part, stage_parts
 from pipeline.plan.syntax_digest import syntax_digest
 
-_RULES = ("module_facts", "module_uses", "reached_code", "syntax_digest")
+_RULES = ("module_facts", "module_uses", "stage_parts", "syntax_digest")
 """The modules of this package that facts depend on."""
 
 
@@ -39,6 +40,8 @@ class ModuleFacts:
     """Top-level names of the other packages that it imports."""
     attaches_stub: bool
     """Whether it calls ``lazy_loader.attach_stub``, so that its stub tells which names it offers."""
+    parts: Mapping[str, Part]
+    """Of a stage's module its definitions, with all names that they use; see `pipeline.plan.stage_parts`."""
 
 
 def read_facts(content: bytes, packages: Iterable[str]) -> ModuleFacts:
@@ -56,6 +59,7 @@ def read_facts(content: bytes, packages: Iterable[str]) -> ModuleFacts:
         bindings={local: name for local, name in sorted(uses.bindings.items()) if ours(name)},
         libraries=tuple(sorted({_top(name) for name in uses.imported if not ours(name)})),
         attaches_stub="lazy_loader:attach_stub" in uses.used,
+        parts=stage_parts(tree, uses.bindings),
     )
 
 
@@ -67,13 +71,13 @@ class FactsCache:
         self._facts: dict[str, ModuleFacts] | None = None
         self._is_new = False
 
-    def facts(self, content: bytes, names: Iterable[str] = ()) -> ModuleFacts:
-        """See `read_facts`; with ``names`` the facts of what these reach of the file (`reached_code`)."""
+    def facts(self, content: bytes) -> ModuleFacts:
+        """See `read_facts`."""
         if self._facts is None:
             self._facts = self._load()
-        name = ":".join([hashlib.sha256(content).hexdigest(), *sorted(names)])
+        name = hashlib.sha256(content).hexdigest()
         if name not in self._facts:
-            self._facts[name] = read_facts(reached_code(content, names) if names else content, self._packages)
+            self._facts[name] = read_facts(content, self._packages)
             self._is_new = True
         return self._facts[name]
 
@@ -83,7 +87,7 @@ class FactsCache:
             return
         self._is_new = False
         names = {hashlib.sha256(content).hexdigest() for content in contents}
-        facts = {name: astuple(facts) for name, facts in self._facts.items() if name.partition(":")[0] in names}
+        facts = {name: asdict(facts) for name, facts in self._facts.items() if name in names}
         body = json.dumps([_version(), self._packages, facts]).encode()
         with contextlib.suppress(OSError):
             _replace(self._file, hashlib.sha256(body).hexdigest().encode() + b"\n" + body)
@@ -94,7 +98,7 @@ class FactsCache:
             if hashlib.sha256(body).hexdigest().encode() == digest:
                 version, packages, facts = json.loads(body)
                 if version == _version() and tuple(packages) == self._packages:
-                    return {name: ModuleFacts(*values) for name, values in facts.items()}
+                    return {name: _read(values) for name, values in facts.items()}
         return {}
 
 
@@ -108,6 +112,11 @@ def cache_file() -> Path:
 
     installation = hashlib.sha256(os.fsencode(ROOT)).hexdigest()[:16]
     return Path(platformdirs.user_cache_dir("riot-shapes"), f"code-{installation}.json")
+
+
+def _read(values: dict[str, Any]) -> ModuleFacts:
+    parts = {name: Part(**part) for name, part in values["parts"].items()}
+    return ModuleFacts(**{**values, "parts": parts})
 
 
 def _version() -> str:

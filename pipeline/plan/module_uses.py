@@ -25,6 +25,15 @@ class ModuleUses:
     bindings: dict[str, str] = field(default_factory=dict)
 
 
+def uses_of(statement: ast.stmt, visible: Mapping[str, str]) -> set[str]:
+    """What a top-level statement uses of the names that are ``visible`` in its module, and of what it imports."""
+    uses = ModuleUses()
+    scope = _Scope(hides=False)
+    scope.read([statement], uses)
+    scope.resolve(visible, uses)
+    return uses.used
+
+
 def module_uses(tree: ast.Module) -> ModuleUses:
     """The names that a module's code imports and uses.
 
@@ -90,7 +99,7 @@ class _Scope:
                     self._inside(node.body, uses, hides=False)
                 case ast.ListComp() | ast.SetComp() | ast.DictComp() | ast.GeneratorExp():
                     pending += self._comprehension(node, uses)
-                case ast.If() if _is_type_checking(node.test):
+                case ast.If() if is_type_checking(node.test):
                     pending += node.orelse
                 case ast.Global() | ast.Nonlocal():
                     self.shared.update(node.names)
@@ -140,7 +149,8 @@ class _Scope:
         return scope
 
 
-def _is_type_checking(test: ast.expr) -> bool:
+def is_type_checking(test: ast.expr) -> bool:
+    """Whether a condition is ``TYPE_CHECKING``, so that what it guards never runs."""
     return (isinstance(test, ast.Name) and test.id == "TYPE_CHECKING") or (
         isinstance(test, ast.Attribute) and test.attr == "TYPE_CHECKING"
     )

@@ -16,7 +16,9 @@ from pipeline.explain.causes import NOT_DONE, Causes
 from pipeline.explain.show import show_explanation
 from pipeline.store.store import folder_name
 
-CAUSE = re.compile(r"(?:code|versions)\.[\w.-]+|parameters\.\S+ \S+ → \S+|picture [^;]+|inputs:.*|new:.*|pictures in.*")
+CAUSE = re.compile(
+    r"(?:code|versions)\.[\w.:-]+|parameters\.\S+ \S+ → \S+|picture [^;]+|inputs:.*|new:.*|pictures in.*"
+)
 
 
 __all__ = ["finished_once"]
@@ -69,7 +71,7 @@ def test_what_a_stopped_run_left_undone_is_no_edit(finished: Project, stage: str
 
 
 def test_two_edits_are_both_named(finished: Project) -> None:
-    finished.picture("kind2-2.png", 77).edit("pipeline.stages.qcrs", "def run(", "@lambda run: run\ndef run(")
+    finished.picture("kind2-2.png", 77).edit("pipeline.stages.qcrs", "def run(", "@staticmethod\ndef run(")
     found = causes(finished)
     with_both = {text for text in found["qcrs"] if "picture replaced: kind2-2.png" in text}
     assert with_both and all("code.pipeline.stages.qcrs" in text for text in found["qcrs"])

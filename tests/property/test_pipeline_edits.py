@@ -90,7 +90,7 @@ def test_only_what_is_whole_is_accepted(project: Project, tmp_path: Path) -> Non
     store = Store(tmp_path / "store")
     items = project.plan()
     stored(store, items)
-    project.edit("pipeline.stages.motion", "def run(", "@lambda run: run\ndef run(")
+    project.edit("pipeline.stages.motion", "def run(", "@staticmethod\ndef run(")
     store.files.remove(f"motion/{items[-1].key[:2]}/{items[-1].key}")
     with pytest.raises(KeyError):
         accept(store, {"motion": [items[-1].key]})

@@ -10,10 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.plan.code_digest import DISTRIBUTIONS, PROJECT, Project, code_digests, library_versions
+from pipeline.plan.closure import Project
+from pipeline.plan.code_digest import DISTRIBUTIONS, PROJECT, code_digests, library_versions
 from pipeline.plan.sources import ROOT, edited, read_sources
 from pipeline.plan.syntax_digest import syntax_digest
 from pipeline.stages.all import STAGES
+from pipeline.stages.stage import Stage
 
 SOURCE = '''"""About the module."""
 import numpy as np
@@ -244,12 +246,103 @@ def test_any_number_of_writers_leave_a_whole_cache(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.glob("facts*")] in ([cache.name], [])
 
 
+STAGE_FILE = """
+import os  # for what it does
+from lib.plan import Stage, planned
+from lib.compute import work, helper, shown
+
+LIMIT = 3
+
+def inner():
+    return helper(LIMIT)
+
+def run(inputs):
+    return work(inner())
+
+def other():
+    return 1
+
+def items(progress):
+    return planned(other())
+
+def columns(artifact):
+    return shown(artifact)
+
+STAGE = Stage(name="one", run=run, items=items, tables=(columns,), wanted=lambda config: LIMIT > 2)
+"""
+
+STAGED = {
+    "lib/__init__.py": "",
+    "lib/plan.py": "Stage = planned = 1",
+    "lib/compute.py": "work = helper = shown = 1",
+    "lib/one.py": STAGE_FILE,
+    "lib/two.py": "from lib.one import other, inner\n"
+    "def run():\n    return other()\nSTAGE = object(run=run, items=inner)",
+}
+
+
+def staged(root: Path, text: str = STAGE_FILE, module: str = "lib.one") -> dict[str, str]:
+    write(root, {**STAGED, "lib/one.py": text})
+    return Project.read(root, ["lib"]).digests(module)
+
+
+def test_of_a_stage_counts_what_its_work_reaches(tmp_path: Path) -> None:
+    one = staged(tmp_path)
+    assert one.keys() == {"lib.compute", "lib.one", "lib.one:", "lib.one:LIMIT", "lib.one:inner", "lib.one:run"}
+    assert staged(tmp_path, module="lib.two").keys() == {"lib.two", "lib.two:run", "lib.one:other", "lib.one:"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "changed"),
+    [
+        ("planned(other())", "planned(2)", set()),
+        ('name="one"', 'name="two"', set()),
+        ("config: LIMIT > 2", "config: False", set()),
+        ("shown(artifact)", "artifact", set()),
+        ("LIMIT = 3", "LIMIT = 4", {"lib.one:LIMIT"}),
+        ("work(inner())", "work(LIMIT)", {"lib.one:run", "lib.one:inner"}),
+        ("run=run", "run=inner", {"lib.one", "lib.one:run"}),
+        ("helper(LIMIT)", "planned(LIMIT)", {"lib.one:inner", "lib.plan"}),
+        ("LIMIT = 3", "LIMIT = 3\nif LIMIT:\n    LIMIT = planned", {"lib.one:", "lib.plan"}),
+    ],
+)
+def test_an_edit_of_a_stage_changes_what_it_reaches(tmp_path: Path, old: str, new: str, changed: set[str]) -> None:
+    before = staged(tmp_path)
+    assert old in STAGE_FILE
+    after = staged(tmp_path, STAGE_FILE.replace(old, new))
+    assert {name for name in before.keys() | after.keys() if before.get(name) != after.get(name)} == changed
+
+
+PLANS_AND_SHOWS = (
+    "pipeline.config",
+    "pipeline.plan.progress",
+    "pipeline.plan.code_digest",
+    "pipeline.stages.stage",
+    "pipeline.runtime",
+    "pipeline.tables",
+    "pipeline.report",
+    "pipeline.study",
+    "pipeline.cli",
+    "riot.cli",
+)
+PAINTS = {"paint": ("riot.draw.texture", "riot.draw.piece_image", "riot.draw.palette"), "fabricate": ("riot.draw",)}
+"""Stages whose results are pictures, or files with pictures, and what of `riot.draw` makes those."""
+
+
+@pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
+def test_no_result_depends_on_how_it_is_planned_or_shown(stage: Stage) -> None:
+    modules = PROJECT.closure(stage.module).modules
+    assert [name for name in modules if name.startswith(PLANS_AND_SHOWS)] == []
+    drawn = [name for name in modules if name.startswith("riot.draw")]
+    assert [name for name in drawn if not name.startswith(PAINTS.get(stage.name, ()))] == []
+
+
 def test_stages_know_their_code_and_libraries() -> None:
     for stage in STAGES:
         code = code_digests(stage.module)
-        assert stage.module in code
-        assert not {"pipeline.store.store", "pipeline.config.schema", "pipeline.runtime.worker"} & code.keys()
-        assert "riot.parameters.method" not in code
+        assert {stage.module, f"{stage.module}:run"} <= code.keys()
+        assert "pipeline.store.store" not in code
+        assert not any(name.startswith("riot.parameters") for name in code.keys() - {"riot.parameters.fabrication"})
         assert "numpy" in library_versions(stage.module)
     qcrs = library_versions("pipeline.stages.qcrs")
     assert {"numba", "llvmlite"} <= qcrs.keys() and not {"dask", "hydra-core", "pyarrow"} & qcrs.keys()
