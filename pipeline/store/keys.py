@@ -77,8 +77,8 @@ class SharedText:
         names = sorted(values)
         written = [f"{canonical_json(name)}:{canonical_json(values[name])}" for name in names]
         at = names.index("inputs")
-        before = "{" + "".join(f"{one}," for one in written[:at]) + '"inputs":'
-        return cls(before, "".join(f",{one}" for one in written[at + 1 :]) + "}")
+        before = "{" + "".join(f"{text}," for text in written[:at]) + '"inputs":'
+        return cls(before, "".join(f",{text}" for text in written[at + 1 :]) + "}")
 
     def text(self, inputs: Sequence[str]) -> str:
         """Canonical JSON of the whole, with these inputs."""

@@ -33,8 +33,8 @@ PAYLOAD = "payload.bin"
 MANIFEST = "manifest.json"
 KEY = re.compile("[0-9a-f]{64}")
 
-CHECKED = 16
-"""Artifacts that a thread checks at a time."""
+CHECKED_AT_A_TIME = 16
+"""Artifacts that one thread checks in a row."""
 
 
 class State(Enum):
@@ -70,11 +70,11 @@ class Store:
 
     @property
     def text(self) -> str:
-        """Where it is, for processes and records with another working folder (see `parse_location`)."""
+        """Its absolute location as text, which `parse_location` reads in a process with any working folder."""
         return str(self.root.absolute() if isinstance(self.root, Path) else self.root)
 
     def folder(self, stage: str, key: str) -> Location:
-        """Where the artifact of a key lives, whether it exists or not."""
+        """The location of a key's artifact, whether it exists or not."""
         return self.root.joinpath(folder_name(stage, key))
 
     def put(self, parts: KeyParts, artifact: Artifact, cost: Mapping[str, float] | None = None) -> str:
@@ -87,9 +87,9 @@ class Store:
     def commit(
         self, parts: KeyParts, payload: bytes | memoryview, cost: Mapping[str, float], accepted: str | None = None
     ) -> str:
-        """`put` an encoded artifact; ``accepted`` is the key of the artifact that it was taken from, if it was.
+        """`put` an encoded artifact; ``accepted`` is the key of the artifact that it is a copy of, if it is one.
 
-        Raises `pipeline.errors.StorageError` where nothing more can be written, OSError where this could not.
+        Raises `pipeline.errors.StorageError` when the location is full or read-only, OSError for other faults.
         """
         key = parts.key()
         manifest = {
@@ -129,7 +129,7 @@ class Store:
         return self.check(stage, key)[0]
 
     def check(self, stage: str, key: str) -> tuple[State, Mapping[str, float]]:
-        """Check a key as `state` does; with what it once cost, if it is present."""
+        """The `state` of a key, and what the artifact cost if it is present."""
         try:
             entry = self.entry(stage, key)
             if entry is None:
@@ -140,11 +140,12 @@ class Store:
             return State.CORRUPT, {}
 
     def check_all(self, references: Sequence[tuple[str, str]]) -> list[tuple[State, Mapping[str, float]]]:
-        """`check` each of many (stage, key), in order; several at once, since most of it is waiting and hashing."""
-        parts = [references[start : start + CHECKED] for start in range(0, len(references), CHECKED)]
+        """`check` each of many (stage, key), in order; threads share the work, most of which is waiting and hashing."""
+        starts = range(0, len(references), CHECKED_AT_A_TIME)
+        rows = [references[start : start + CHECKED_AT_A_TIME] for start in starts]
         with ThreadPoolExecutor(self.files.threads) as threads:
-            found = threads.map(lambda part: [self.check(*reference) for reference in part], parts)
-            return [one for part in found for one in part]
+            checked = threads.map(lambda row: [self.check(*reference) for reference in row], rows)
+            return [state for row in checked for state in row]
 
     def get(self, stage: str, key: str) -> Artifact:
         """Read an artifact; the payload is checked, and its arrays are read-only views of the mapped file.
@@ -167,23 +168,23 @@ class Store:
     def folders(self, stage: str | None = None) -> Iterator[tuple[str, str]]:
         """(stage, key) of every artifact folder, committed or not, sorted."""
         for name in self.files.names("") if stage is None else [stage]:
-            for part in self.files.names(name):
-                for key in self.files.names(f"{name}/{part}"):
-                    # Nothing but what `put` makes: whoever tidies a wrong folder must not find artifacts there.
-                    if KEY.fullmatch(key) and key[:2] == part:
+            for prefix in self.files.names(name):
+                for key in self.files.names(f"{name}/{prefix}"):
+                    # Only what `put` makes: a wrong folder that somebody tidies by mistake must seem empty.
+                    if KEY.fullmatch(key) and key[:2] == prefix:
                         yield name, key
 
     def payload(self, entry: Entry) -> memoryview:
         """The bytes of a committed artifact; raises `PayloadError` when they are not what its manifest says."""
-        where = f"{entry.stage}/{entry.key[:12]}"
+        name = f"{entry.stage}/{entry.key[:12]}"
         try:
             view = self.files.read(f"{folder_name(entry.stage, entry.key)}/{PAYLOAD}")
         except FileNotFoundError as error:
-            raise PayloadError(f"{where}: the payload is missing") from error
+            raise PayloadError(f"{name}: the payload is missing") from error
         if len(view) != entry.size:
-            raise PayloadError(f"{where}: {len(view)} bytes, {entry.size} expected")
+            raise PayloadError(f"{name}: {len(view)} bytes, {entry.size} expected")
         if digest_bytes(view) != entry.digest:
-            raise PayloadError(f"{where}: the payload was altered")
+            raise PayloadError(f"{name}: the payload was altered")
         return view
 
 

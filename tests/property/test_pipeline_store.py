@@ -15,7 +15,7 @@ from pipeline.errors import PayloadError
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.store.filesystem.local import MAPPED_SIZE
 from pipeline.store.keys import KeyParts
-from pipeline.store.store import CHECKED, MANIFEST, PAYLOAD, TEMPORARY, State, Store
+from pipeline.store.store import CHECKED_AT_A_TIME, MANIFEST, PAYLOAD, TEMPORARY, State, Store
 
 names = st.text(alphabet="abcdefg_", min_size=1, max_size=6)
 values = npst.arrays(
@@ -124,7 +124,7 @@ def test_damage_is_corrupt_and_mended_by_the_next_put(store: Store, kind: str) -
 
 
 def test_many_are_checked_as_each_alone(store: Store) -> None:
-    keys = [store.put(parts(str(number)), example(), {"seconds": number}) for number in range(3 * CHECKED)]
+    keys = [store.put(parts(str(number)), example(), {"seconds": number}) for number in range(3 * CHECKED_AT_A_TIME)]
     (store.folder("stage", keys[1]) / PAYLOAD).write_bytes(b"")
     references = [("stage", key) for key in [*keys, "0" * 64]]
     found = store.check_all(references)

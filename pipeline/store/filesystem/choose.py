@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pipeline.store.filesystem.base import Files
 from pipeline.store.filesystem.local import LocalFiles
+from pipeline.store.filesystem.objects import open_objects
 from pipeline.store.location import Location
 
 
@@ -13,6 +14,4 @@ def open_files(location: Location) -> Files:
     """The files below a location; raises `pipeline.errors.StartError` when what it takes is not installed."""
     if isinstance(location, Path):
         return LocalFiles(location)
-    from pipeline.store.filesystem.objects import open_objects  # takes fsspec: only who needs it waits for it
-
     return open_objects(location)

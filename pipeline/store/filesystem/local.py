@@ -69,13 +69,13 @@ class LocalFiles:
 
     def sizes(self, folder: str) -> dict[str, int]:
         """See `Files.sizes`."""
-        found = {}
+        sizes = {}
         for name in self.names(folder):
             path = self.location / folder / name
-            with contextlib.suppress(FileNotFoundError):  # another process has tidied it away
+            with contextlib.suppress(FileNotFoundError):  # another process has removed it
                 if path.is_file():
-                    found[name] = path.stat().st_size
-        return found
+                    sizes[name] = path.stat().st_size
+        return sizes
 
     def remove(self, name: str) -> None:
         """See `Files.remove`."""
@@ -124,7 +124,7 @@ def _replace(path: Path, data: bytes) -> None:
     temporary = path.with_name(f"{TEMPORARY}{uuid.uuid4().hex}")
     try:
         with temporary.open("wb") as stream:
-            with contextlib.suppress(OSError):  # no locks here: then nobody takes it for abandoned either
+            with contextlib.suppress(OSError):  # without locks here nobody takes it for abandoned either
                 fcntl.flock(stream, fcntl.LOCK_EX)
             stream.write(data)
             stream.flush()
@@ -143,7 +143,7 @@ def _is_free(file: Path) -> bool:
 
 @contextlib.contextmanager
 def _locked(path: Path, how: int) -> Iterator[bool]:
-    """Lock a file or folder while entered; False when it is gone, is held, or has no locks."""
+    """Lock a file or folder while entered; yields False when it is gone, is locked, or cannot be locked."""
     try:
         descriptor = os.open(path, os.O_RDONLY)
     except OSError:

@@ -79,9 +79,10 @@ class ObjectFiles:
     def _listed(self, folder: str) -> dict[str, Any]:
         path = self._path(folder)
         with _failing(self.location), contextlib.suppress(FileNotFoundError, NotADirectoryError):
-            found = {one["name"].rstrip("/").rpartition("/")[2]: one for one in self.system.ls(path, detail=True)}
+            entries = self.system.ls(path, detail=True)
             # Some stores have an empty object of the folder's own name.
-            return {name: one for name, one in found.items() if one["name"].strip("/") != path.strip("/")}
+            below = [entry for entry in entries if entry["name"].strip("/") != path.strip("/")]
+            return {entry["name"].rstrip("/").rpartition("/")[2]: entry for entry in below}
         return {}
 
 
