@@ -20,8 +20,8 @@ from pipeline.stages.all import STAGES
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("riot", "pipeline")
-LATE = ("pipeline.runtime.admission", "pipeline.runtime.cluster", "pipeline.store.filesystem.choose")
-"""Modules with a function that is sent to other processes by itself, or with what only an extra makes importable."""
+LATE = ("pipeline.runtime.admission",)
+"""A module with a function that is sent to other processes by itself."""
 
 COMPUTING = [stage.name for stage in STAGES if stage.name not in ("paint", "fabricate")]
 """Stages before pictures are made."""
