@@ -15,7 +15,7 @@ from typing import Any
 
 from pipeline.errors import StartError
 from pipeline.explain.causes import explain, gather
-from pipeline.plan.code_digest import code_digests, file_digest, library_versions
+from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.stages.all import STAGES
 from pipeline.store.keys import SCHEMA
 from pipeline.store.location import Location
@@ -37,7 +37,6 @@ def identity() -> Identity:
     for stage in STAGES:
         code |= code_digests(stage.module)
         versions |= library_versions(stage.module)
-    code |= {stage.module: file_digest(stage.module) for stage in STAGES}  # whatever stages take of each other
     return {"schema": SCHEMA, "parameters": {}, "inputs": (), "code": code, "versions": versions}
 
 
