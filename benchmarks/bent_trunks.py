@@ -30,8 +30,8 @@ from rich.table import Table
 from scipy.optimize import minimize
 
 from riot.construction.conjugate import TOLERANCE, is_convex
-from riot.construction.given import given_pair
-from riot.construction.plan import Plan, TrunkPair, plan_on
+from riot.construction.given_trunks import given_pair
+from riot.construction.plan import ConstructionPlan, TrunkPair, plan_on
 from riot.errors import RiotError
 from riot.geometry.polyline import is_simple
 from riot.kernels.change import placed_arcs
@@ -126,7 +126,7 @@ def bound(pair: TrunkPair, trunks: FloatArray, bends: FloatArray) -> float:
 
     −1 where a bent trunk crosses itself.
     """
-    p, windows_p, q, windows_q = pair.sides
+    p, windows_p, q, windows_q = pair.windowed_outlines
     found = []
     for points, windows, side in ((p, windows_p, 0), (q, windows_q, 1)):
         source, target = trunks[side], trunks[1 - side]
@@ -166,7 +166,7 @@ def _bent(trunk: FloatArray, bends: FloatArray) -> list[FloatArray]:
     return parts
 
 
-def search(plan: Plan, way: Way) -> float:
+def search(plan: ConstructionPlan, way: Way) -> float:
     """The highest bound that is found from a plan's trunks on."""
     n = plan.trunks.shape[1]
     scale = np.concatenate([np.full(4 * n, MOVE), np.full(n * way.bends, BEND)])
@@ -185,7 +185,7 @@ def search(plan: Plan, way: Way) -> float:
     return max(-float(least.fun), -cost(start))
 
 
-def plan_of(made: Transform) -> Plan:
+def plan_of(made: Transform) -> ConstructionPlan:
     """The plan that a transform was constructed on."""
     pair = given_pair(made.p, made.q, made.trunk_p, made.trunk_q, 1.0, REFINEMENT.reach)
     origin = np.zeros((1, 2))

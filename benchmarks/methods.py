@@ -31,12 +31,12 @@ from rich.console import Console
 from rich.table import Table
 from table import WIDTH
 
-from riot.construction.choose import construct_plans, refine_best
-from riot.construction.given import given_pair
+from riot.construction.given_trunks import given_pair
 from riot.construction.laplacian.method import construct_laplacian
 from riot.construction.laplacian.residual import residuals
-from riot.construction.make import construct_plan
-from riot.construction.plan import Plan, TrunkPair, plan_pair
+from riot.construction.plan import ConstructionPlan, TrunkPair, plan_pair
+from riot.construction.plan_transform import construct_plan
+from riot.construction.trunk_choice import construct_plans, refine_best
 from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
@@ -93,7 +93,7 @@ class Compared:
     ways: dict[str, Figures | None]
 
 
-Way = Callable[[Plan], Transform]
+Way = Callable[[ConstructionPlan], Transform]
 
 WAYS: dict[str, Way] = {
     "paper": lambda plan: construct_laplacian(plan, PARAMETERS),
@@ -137,7 +137,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def compare(plans: Sequence[Plan]) -> list[Compared]:
+def compare(plans: Sequence[ConstructionPlan]) -> list[Compared]:
     """Construct on every plan in every way."""
     timed = {name: each(way, plans) for name, way in WAYS.items()}
     compared = []
@@ -163,9 +163,9 @@ def _figures(made: Transform | None, ms: float) -> Figures | None:
     )
 
 
-def _plans_of_run(paths: Sequence[Path], count: int) -> list[Plan]:
+def _plans_of_run(paths: Sequence[Path], count: int) -> list[ConstructionPlan]:
     """Plans on the trunks that the first of these transforms were constructed from."""
-    plans: list[Plan] = []
+    plans: list[ConstructionPlan] = []
     for path in paths:
         if len(plans) == count:
             break
@@ -178,7 +178,7 @@ def _plans_of_run(paths: Sequence[Path], count: int) -> list[Plan]:
     return plans
 
 
-def _plans_of_pictures(paths: Sequence[Path], count: int) -> list[Plan]:
+def _plans_of_pictures(paths: Sequence[Path], count: int) -> list[ConstructionPlan]:
     """Plans of the pairs of highest QCRS, each on its first trunk pair by CRS that can be made conjugate."""
     shapes = []
     for path in paths:
@@ -188,7 +188,7 @@ def _plans_of_pictures(paths: Sequence[Path], count: int) -> list[Plan]:
             print(f"{path.name}: {error}", file=sys.stderr)
     quick = stack([quick_trunks(shape) for shape in shapes])
     scores = score_block(quick, quick, None, True)
-    plans: list[Plan] = []
+    plans: list[ConstructionPlan] = []
     for k in np.argsort(-scores.score, kind="stable"):
         if len(plans) == count or scores.score[k] <= 0.0:
             break
@@ -198,7 +198,7 @@ def _plans_of_pictures(paths: Sequence[Path], count: int) -> list[Plan]:
     return plans
 
 
-def _first_plan(p: Shape, q: Shape) -> Plan | None:
+def _first_plan(p: Shape, q: Shape) -> ConstructionPlan | None:
     trunks_p, trunks_q = full_trunks(p), full_trunks(q)
     if len(trunks_p) == 0 or len(trunks_q) == 0:
         return None

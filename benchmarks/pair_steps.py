@@ -16,7 +16,7 @@ from overlay import overlay_best_trunk_pairs
 from shape_steps import Shapes
 from table import Row, row
 
-from riot.construction.choose import construct_plans, refine_scored
+from riot.construction.trunk_choice import construct_plans, refine_scored
 from riot.geometry.shape import Shape
 from riot.kernels.coverage import area_terms
 from riot.parameters import ConstructParameters, CrsParameters, RefineParameters

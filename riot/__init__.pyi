@@ -12,9 +12,9 @@ from . import slices as slices
 from . import transform as transform
 from . import types as types
 from . import units as units
-from .construction.choose import alternatives as alternatives
 from .construction.pins import Pins as Pins
 from .construction.pins import load_pins as load_pins
+from .construction.trunk_choice import alternatives as alternatives
 from .errors import ConstructionError as ConstructionError
 from .errors import FormatError as FormatError
 from .errors import RiotError as RiotError

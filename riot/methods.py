@@ -14,7 +14,7 @@ from typing import ParamSpec, TypeVar, cast
 import numpy.typing as npt
 
 from riot import draw, geometry
-from riot.construction import choose
+from riot.construction import trunk_choice
 from riot.geometry import shape as shape_module
 from riot.motion import planner
 from riot.parameters import ShapeParameters
@@ -147,4 +147,4 @@ def _with_methods(function: Callable[Parameters, transform_module.Transform]) ->
     return cast(Callable[Parameters, Transform], function)
 
 
-construct = _with_methods(choose.construct)
+construct = _with_methods(trunk_choice.construct)

@@ -16,7 +16,7 @@ from pipeline.store.artifact import Artifact
 from riot import construction, transform
 
 if TYPE_CHECKING:
-    from riot.construction.plan import Plan
+    from riot.construction.plan import ConstructionPlan
     from riot.transform.transform import Transform
 
 COLUMNS = ("paper_iou", "paper_gaps", "paper_overlaps", "paper_outside", "paper_hausdorff")
@@ -35,15 +35,15 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Ar
     return Artifact({}, {"errors": errors} if paper is None else _row(paper))
 
 
-def same_trunks(exact: Transform, snap: float, reach: float) -> Plan:
+def same_trunks(exact: Transform, snap: float, reach: float) -> ConstructionPlan:
     """The plan of a transform's own conjugate trunks; its arcs part where the transform's do.
 
     Not made conjugate once more from these points: the paper's method would get other trunks, most of them worse.
     Raises `riot.errors.TrunkError` if the points do not correspond; ``snap`` and ``reach`` as in `given_pair`.
     """
-    pair = construction.given.given_pair(exact.p, exact.q, exact.trunk_p, exact.trunk_q, snap, reach)
+    pair = construction.given_trunks.given_pair(exact.p, exact.q, exact.trunk_p, exact.trunk_q, snap, reach)
     trunks = np.stack([exact.pose(0.0).origins, exact.pose(1.0).origins])
-    return construction.plan.Plan(pair, trunks, exact.bound_p, exact.bound_q)
+    return construction.plan.ConstructionPlan(pair, trunks, exact.bound_p, exact.bound_q)
 
 
 def _row(paper: Transform) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from riot.errors import ConstructionError
 from riot.geometry.shape import Shape
 
 if TYPE_CHECKING:
-    from riot.construction.plan import Plan, TrunkPair
+    from riot.construction.plan import ConstructionPlan, TrunkPair
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, int]) -> Artifact:
@@ -31,12 +31,12 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     batch_p, batch_q, cross = inputs
     settings, spacing, allowed = parameters
     p, q = expect_shape(batch_p, spec[0]), expect_shape(batch_q, spec[1])
-    choose = construction.choose
+    choose = construction.trunk_choice
     pairs = choose.trunk_pairs(p, q, unpack_scores(cross), settings.reach)
     errors: list[ErrorRow] = []
     plans, unplanned = attempt(0, lambda: choose.plan_pairs(pairs, settings), errors) or ([], [])
 
-    def refined() -> tuple[list[Plan], list[ConstructionError]]:
+    def refined() -> tuple[list[ConstructionPlan], list[ConstructionError]]:
         return choose.drop_without_contact(choose.refine_best(plans, settings), spacing, allowed)
 
     best, failed = attempt(0, refined, errors) or ([], [])
@@ -62,11 +62,13 @@ def bound(artifact: Artifact) -> float:
 
 def unpack_plans(
     artifact: Artifact, cross: Artifact, p: Shape, q: Shape, reach: float
-) -> tuple[list[Plan], list[ConstructionError]]:
+) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
     """The plans that `run` made, and why there are no others."""
-    pairs, arrays = construction.choose.trunk_pairs(p, q, unpack_scores(cross), reach), artifact.arrays
+    pairs, arrays = construction.trunk_choice.trunk_pairs(p, q, unpack_scores(cross), reach), artifact.arrays
     plans = [
-        construction.plan.Plan(pairs[which], np.stack([trunk[:, :2], trunk[:, 2:]]), float(bounds[0]), float(bounds[1]))
+        construction.plan.ConstructionPlan(
+            pairs[which], np.stack([trunk[:, :2], trunk[:, 2:]]), float(bounds[0]), float(bounds[1])
+        )
         for which, trunk, bounds in zip(
             arrays["which"],
             np.split(np.array(arrays["trunks"]), arrays["offsets"][1:-1]),

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from riot.construction.choose import construct_plans, plan_pairs, refine_best, trunk_pairs
+from riot.construction.trunk_choice import construct_plans, plan_pairs, refine_best, trunk_pairs
 from riot.errors import RiotError, TrunkError
 from riot.geometry.shape import Shape
 from riot.parameters import (

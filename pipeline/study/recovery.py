@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.study.hidden import HiddenPair, failed_test
 from pipeline.study.partners import Clock, Partners, attempt
 from pipeline.study.statistics import wilson
-from riot.construction.choose import construct
+from riot.construction.trunk_choice import construct
 from riot.errors import RiotError
 from riot.geometry.silhouette import polygon_shape
 from riot.transform.deformation import overlap_ratios

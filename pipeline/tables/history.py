@@ -8,7 +8,7 @@ from pipeline.stages.ingest import shape_key
 from pipeline.store.artifact import canonical_json
 from pipeline.store.keys import digest_text
 from pipeline.tables.results import Results
-from riot.transform.history import History, Step
+from riot.transform.history import History, HistoryStep
 from riot.transform.riot_file import from_json, to_json
 
 OF_PAIR = ("crs", "refine", "construct", "motion")
@@ -26,7 +26,7 @@ def pair_history(results: Results, pair: tuple[int, ...]) -> History:
         maker="pipeline.run",
         pictures=(first, second),
         steps=tuple(
-            Step(
+            HistoryStep(
                 stage,
                 progress.recipes[stage].values,
                 digest_text(canonical_json(progress.recipes[stage].code)),

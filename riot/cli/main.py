@@ -17,10 +17,10 @@ from rich.table import Table
 
 from riot.cli.print_puzzle import add_print
 from riot.cli.slices import add_slices
-from riot.construction.choose import alternatives, construct
-from riot.construction.make import construct_plan
 from riot.construction.pins import load_pins
-from riot.construction.plan import Plan
+from riot.construction.plan import ConstructionPlan
+from riot.construction.plan_transform import construct_plan
+from riot.construction.trunk_choice import alternatives, construct
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.animate import animate_svg
 from riot.draw.figure import draw_transform
@@ -142,7 +142,7 @@ def _history(path_a: Path, path_b: Path, parameters: ConstructParameters, wishes
     return record_history("riot make", (path_a, path_b), steps)
 
 
-def _ranked(plans: Sequence[Plan], rank: int) -> Plan:
+def _ranked(plans: Sequence[ConstructionPlan], rank: int) -> ConstructionPlan:
     if not 1 <= rank <= len(plans):
         raise TrunkError(f"there is no trunk pair of rank {rank}: there are {len(plans)}; `riot trunks A B` lists them")
     return plans[rank - 1]

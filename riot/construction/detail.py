@@ -15,8 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from riot.construction.match import COINCIDENT, OFF_EDGES, DetailParameters, Match
 from riot.construction.tree import joined
+from riot.construction.tree_match import COINCIDENT, OFF_EDGES, DetailParameters, TreeMatch
 from riot.geometry.polyline import simplify_open
 from riot.kernels.detail import collisions, difference, solved
 from riot.kernels.matching import along, at, corresponding
@@ -62,7 +62,7 @@ class Detailed:
 def add_detail(
     plain: Sequence[FloatArray],
     arcs: Sequence[FloatArray],
-    match: Match,
+    match: TreeMatch,
     parameters: DetailParameters,
     pull: Pull | None = None,
 ) -> Detailed:
@@ -126,14 +126,14 @@ def add_detail(
     return Detailed(list(plain), ROUNDS, 0.0)
 
 
-def _softness(match: Match, accuracy: float, parameters: DetailParameters) -> FloatArray:
+def _softness(match: TreeMatch, accuracy: float, parameters: DetailParameters) -> FloatArray:
     """(k,) weight of positions: between arcs that are apart a displacement costs no area."""
     apart = np.hypot(*(match.sides[0] - match.sides[1]).T) / (parameters.agreement * L_C)
     strong, weak = ((length * L_C) ** -4.0 for length in (accuracy, max(accuracy, parameters.reach)))
     return np.asarray(weak + strong / (1.0 + apart**2))
 
 
-def _junctions(match: Match, parameters: DetailParameters) -> Pull:
+def _junctions(match: TreeMatch, parameters: DetailParameters) -> Pull:
     """Draw junctions to the mean of the arcs' ends there, but not far from where the partition has them."""
     found = Pull(match.targets.copy(), np.zeros(len(match.targets)))
     ends: dict[int, list[tuple[int, FloatArray]]] = {}
@@ -188,7 +188,7 @@ def _losses(paths: Sequence[FloatArray], arcs: Sequence[FloatArray], parameters:
     return sum(difference(path, arc, parameters.lines) for path, arc in zip(paths, arcs, strict=True))
 
 
-def _middle(match: Match, step: float) -> FloatArray:
+def _middle(match: TreeMatch, step: float) -> FloatArray:
     """(k, 2) where every sample is on the middle lines."""
     found = []
     for arc, (first, last) in zip(match.tree, pairwise(match.offsets.tolist()), strict=True):

@@ -16,7 +16,7 @@ from riot.parameters import RefineParameters
 from riot.types import FloatArray, IntArray
 from riot.units import L_C
 
-Sides = tuple[FloatArray, IntArray, FloatArray, IntArray]
+WindowedOutlines = tuple[FloatArray, IntArray, FloatArray, IntArray]
 """Outline and windows of P, of Q, as `riot.kernels.change.least_changes` reads them."""
 
 
@@ -51,7 +51,7 @@ class TrunkPair:
         return np.stack([self.outline_p[self.trunk_p], self.outline_q[self.trunk_q]])
 
     @cached_property
-    def sides(self) -> Sides:
+    def windowed_outlines(self) -> WindowedOutlines:
         """Outline and windows of P, of Q, as `riot.kernels.change.least_changes` reads them."""
         # Read-only arrays would have the kernels compiled once more.
         p, q = np.array(self.outline_p), np.array(self.outline_q)
@@ -59,7 +59,7 @@ class TrunkPair:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class ConstructionPlan:
     """A trunk pair made conjugate, and how close to the inputs an exact construction on it can come.
 
     Parameters
@@ -116,26 +116,26 @@ class Plan:
     @cached_property
     def feet(self) -> FloatArray:
         """(2, n, 2) where the arcs part: the boundary points of P and of Q nearest to the corners."""
-        return feet_of(self.pair.sides, self.trunks)
+        return feet_of(self.pair.windowed_outlines, self.trunks)
 
     @cached_property
     def _swung_p(self) -> tuple[FloatArray, IntArray]:
-        outline, windows, _, _ = self.pair.sides
+        outline, windows, _, _ = self.pair.windowed_outlines
         return _swing(outline, windows, self.trunk_p, self.trunk_q)
 
     @cached_property
     def _swung_q(self) -> tuple[FloatArray, IntArray]:
-        _, _, outline, windows = self.pair.sides
+        _, _, outline, windows = self.pair.windowed_outlines
         return _swing(outline, windows, self.trunk_q[::-1].copy(), self.trunk_p[::-1].copy())
 
 
-def feet_of(sides: Sides, trunks: FloatArray) -> FloatArray:
+def feet_of(outlines: WindowedOutlines, trunks: FloatArray) -> FloatArray:
     """(2, n, 2) the boundary points of P and of Q nearest to the corners of ``trunks`` (2, n, 2)."""
-    p, windows_p, q, windows_q = sides
+    p, windows_p, q, windows_q = outlines
     return np.stack([feet(p, windows_p, trunks[0].copy())[0], feet(q, windows_q, trunks[1, ::-1].copy())[0][::-1]])
 
 
-def plan_pair(pair: TrunkPair, lines: int = RefineParameters.bound_lines) -> Plan:
+def plan_pair(pair: TrunkPair, lines: int = RefineParameters.bound_lines) -> ConstructionPlan:
     """Make the trunks conjugate with the least movement of their vertices, and bound the IoU by so many scanlines.
 
     ConstructionError if the trunks cannot be made conjugate and convex.
@@ -146,10 +146,10 @@ def plan_pair(pair: TrunkPair, lines: int = RefineParameters.bound_lines) -> Pla
     return plan_on(pair, np.stack(make_conjugate(*pair.corners)), lines)
 
 
-def plan_on(pair: TrunkPair, trunks: FloatArray, lines: int) -> Plan:
+def plan_on(pair: TrunkPair, trunks: FloatArray, lines: int) -> ConstructionPlan:
     """The plan on conjugate ``trunks`` (2, n, 2), its bounds by so many scanlines."""
-    (bound_p, bound_q), _ = least_changes(*pair.sides, trunks, lines)
-    return Plan(pair, trunks, float(bound_p), float(bound_q))
+    (bound_p, bound_q), _ = least_changes(*pair.windowed_outlines, trunks, lines)
+    return ConstructionPlan(pair, trunks, float(bound_p), float(bound_q))
 
 
 def _swing(

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from riot.construction.conjugate import TOLERANCE, is_convex
-from riot.construction.plan import Plan, feet_of, plan_on
+from riot.construction.plan import ConstructionPlan, feet_of, plan_on
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, quasi_newton, tangential
 from riot.parameters import RefineParameters
@@ -43,7 +43,7 @@ WORTHWHILE = 1e-4
 exact already are not to move."""
 
 
-def refine(plan: Plan, steps: int, parameters: RefineParameters) -> Plan:
+def refine(plan: ConstructionPlan, steps: int, parameters: RefineParameters) -> ConstructionPlan:
     """The plan with its trunks moved in at most so many steps; the plan itself if that hardly raises its bound.
 
     No corner moves farther than ``parameters.slide`` along either axis.
@@ -58,8 +58,8 @@ def refine(plan: Plan, steps: int, parameters: RefineParameters) -> Plan:
 class _Climb:
     """One maximisation with one sharpness."""
 
-    def __init__(self, plan: Plan, parameters: RefineParameters, sharpness: float) -> None:
-        self.sides, self.lines, self.sharpness = plan.pair.sides, parameters.lines, sharpness
+    def __init__(self, plan: ConstructionPlan, parameters: RefineParameters, sharpness: float) -> None:
+        self.outlines, self.lines, self.sharpness = plan.pair.windowed_outlines, parameters.lines, sharpness
         self.start, self.slide, self.attach = plan.trunks, parameters.slide * D_C, parameters.attach
 
     def run(self, trunks: FloatArray, steps: int) -> FloatArray:
@@ -108,12 +108,12 @@ class _Climb:
 
         A corner off the boundary costs area only to second order, but makes a notch or a spike as deep as it is far.
         """
-        bounds, gradients = least_changes(*self.sides, trunks, self.lines)
+        bounds, gradients = least_changes(*self.outlines, trunks, self.lines)
         worse = float(bounds.min())
         shares = np.exp(-self.sharpness * (bounds - worse))
         total = float(shares.sum())
         gradient = (shares[0] * gradients[0] + shares[1] * gradients[1]) / total
-        off = trunks - feet_of(self.sides, trunks)
+        off = trunks - feet_of(self.outlines, trunks)
         cost = self.attach * float((off * off).sum())
         along = tangential(trunks, gradient - 2.0 * self.attach * off)
         return worse - math.log(total) / self.sharpness - cost, along, worse - cost

@@ -18,9 +18,9 @@ from riot.parameters import MotionParameters as MotionParameters
 from riot.transform.motion import LIFT, SEARCHES
 from riot.transform.motion import Attempt as Attempt
 from riot.transform.motion import Motion as Motion
-from riot.transform.once import once_per_transform
 from riot.transform.pose import Chain
 from riot.transform.transform import Transform
+from riot.transform.transform_cache import once_per_transform
 from riot.types import FloatArray, IntArray
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.construction.choose import drop_without_contact, find_plans
-from riot.construction.plan import Plan
+from riot.construction.plan import ConstructionPlan
+from riot.construction.trunk_choice import drop_without_contact, find_plans
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
 from riot.parameters import ConstructParameters, RefineParameters
@@ -35,7 +35,7 @@ class Planned:
     """A slice and a candidate with their refined trunk pairs, the best first; none if ``reason`` says why not."""
 
     candidate: Candidate
-    plans: tuple[Plan, ...]
+    plans: tuple[ConstructionPlan, ...]
     unplanned: tuple[ConstructionError, ...]
     reason: str = ""
 

@@ -4,8 +4,8 @@ from . import fidelity as fidelity
 from . import history as history
 from . import motion as motion
 from . import motion_document as motion_document
-from . import once as once
 from . import pose as pose
 from . import provenance as provenance
 from . import riot_file as riot_file
 from . import transform as transform
+from . import transform_cache as transform_cache

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from riot.transform.once import once_per_transform
 from riot.transform.pose import Pose, direction
 from riot.transform.transform import Transform
+from riot.transform.transform_cache import once_per_transform
 from riot.types import FloatArray
 
 AREA_TOLERANCE = 1e-9

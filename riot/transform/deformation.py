@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from riot.transform.once import once_per_transform
 from riot.transform.transform import Transform
+from riot.transform.transform_cache import once_per_transform
 from riot.types import FloatArray
 from riot.units import L_C
 

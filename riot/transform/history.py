@@ -15,7 +15,7 @@ _DIGEST = re.compile("[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
-class Step:
+class HistoryStep:
     """One step: its name, the parameters that it read (JSON values), a digest of its code, and its content keys.
 
     ``keys`` name the step's results in a store: one, or P's and Q's; none where there is no store.
@@ -33,7 +33,7 @@ class History:
 
     maker: str
     pictures: tuple[str, str]
-    steps: tuple[Step, ...]
+    steps: tuple[HistoryStep, ...]
     versions: Mapping[str, str]
 
 
@@ -57,11 +57,11 @@ def from_document(document: Any) -> History:
     )
 
 
-def _step(document: Any) -> Step:
+def _step(document: Any) -> HistoryStep:
     if not isinstance(document["parameters"], dict):
         raise TypeError("the parameters of a step of the history are no mapping")
     keys = tuple(_text(key) for key in document["keys"])
-    return Step(_text(document["name"]), document["parameters"], _text(document["code"]), keys)
+    return HistoryStep(_text(document["name"]), document["parameters"], _text(document["code"]), keys)
 
 
 def _text(value: Any) -> str:

@@ -8,7 +8,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from riot.transform.history import History, Step
+from riot.transform.history import History, HistoryStep
 
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite", "shapely", "scikit-image", "pillow", "svgelements")
 """What computes a transform beside this library."""
@@ -24,7 +24,7 @@ def record_history(maker: str, pictures: tuple[Path, Path], steps: Mapping[str, 
     return History(
         maker=maker,
         pictures=(first, second),
-        steps=tuple(Step(name, parameters, code) for name, parameters in steps.items()),
+        steps=tuple(HistoryStep(name, parameters, code) for name, parameters in steps.items()),
         versions={name: metadata.version(name) for name in LIBRARIES},
     )
 

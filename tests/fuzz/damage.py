@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.motion import with_motion
-from riot.transform.history import History, Step
+from riot.transform.history import History, HistoryStep
 from riot.transform.riot_file import to_json
 
 Damage = tuple[str, int, int, int]
@@ -69,7 +69,9 @@ def transforms() -> list[bytes]:
     """Finished ``.riot`` files."""
     from dataclasses import replace
 
-    history = History("riot make", ("a" * 64, "b" * 64), (Step("ingest", {"spacing": 100.0}, "c", ("d",)),), {"a": "1"})
+    history = History(
+        "riot make", ("a" * 64, "b" * 64), (HistoryStep("ingest", {"spacing": 100.0}, "c", ("d",)),), {"a": "1"}
+    )
     made = exact_transform(exact_pair(3, 1))
     return [to_json(one).encode() for one in (made, replace(with_motion(made), history=history))]
 

@@ -18,7 +18,7 @@ from pipeline.report.run import read_run
 from pipeline.report.thumb import thumb
 from pipeline.study.contents import write_contents
 from pipeline.tables.record import GALLERY
-from riot.transform.history import History, Step
+from riot.transform.history import History, HistoryStep
 
 MANY = 1000
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -29,7 +29,9 @@ def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("outputs") / "fake"
     folder.mkdir()
     made = fake_run.transforms()
-    told = History("riot make", ("ab" * 32, "cd" * 32), (Step("trunks", {"spacing": 15.0}, "ef" * 32),), {"numpy": "2"})
+    told = History(
+        "riot make", ("ab" * 32, "cd" * 32), (HistoryStep("trunks", {"spacing": 15.0}, "ef" * 32),), {"numpy": "2"}
+    )
     made[0] = replace(made[0], history=told)
     names = {"name_i": "a", "name_j": "b", "class_i": "", "class_j": ""}
     puzzle = names | {

@@ -14,10 +14,10 @@ from plain_dissection import plain_distances, signed_distances
 
 from riot import ConstructionError, Shape, Transform, TrunkError, construct
 from riot.construction.conjugate import is_convex, make_conjugate
-from riot.construction.make import construct_plan
 from riot.construction.mesh import mesh_convex
 from riot.construction.partition import label_cells
 from riot.construction.plan import TrunkPair, plan_pair
+from riot.construction.plan_transform import construct_plan
 from riot.construction.tree import cell_paths, dissection_tree
 from riot.geometry.polyline import edge_lengths
 from riot.groundtruth.pairs import dudeney, exact_pair

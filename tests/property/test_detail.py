@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 
 from riot import ConstructionError, Shape, construct
 from riot.construction.detail import ROUNDS, add_detail
-from riot.construction.dissect import dissect
-from riot.construction.draft import Draft, draft_plan
-from riot.construction.match import DetailParameters
-from riot.construction.plan import Plan
+from riot.construction.dissected_plan import DissectedPlan, dissect_plan
+from riot.construction.dissection import dissect
+from riot.construction.plan import ConstructionPlan
+from riot.construction.tree_match import DetailParameters
 from riot.geometry.polyline import simplify_open
 from riot.groundtruth.pairs import ExactPair, exact_pair
 from riot.kernels.detail import BENDABLE, collisions, difference, solved
@@ -35,26 +35,26 @@ SEEDS = st.integers(0, 2**32 - 1)
 PARAMETERS = ConstructParameters()
 
 
-def drafted(p: Shape, q: Shape, trunks: tuple[FloatArray, FloatArray]) -> Draft:
+def drafted(p: Shape, q: Shape, trunks: tuple[FloatArray, FloatArray]) -> DissectedPlan:
     """What `construct` keeps on given trunks."""
-    drafts: list[Draft] = []
+    drafts: list[DissectedPlan] = []
 
-    def record(plan: Plan, parameters: ConstructParameters) -> Draft:
-        drafts.append(draft_plan(plan, parameters))
+    def record(plan: ConstructionPlan, parameters: ConstructParameters) -> DissectedPlan:
+        drafts.append(dissect_plan(plan, parameters))
         return drafts[-1]
 
-    with mock.patch.object(importlib.import_module("riot.construction.make"), "draft_plan", record):
+    with mock.patch.object(importlib.import_module("riot.construction.plan_transform"), "dissect_plan", record):
         construct(p, q, trunks)
     return drafts[-1]
 
 
-def exact_draft(pair: ExactPair) -> Draft:
+def exact_draft(pair: ExactPair) -> DissectedPlan:
     p, q = pair_shapes(pair)
     return drafted(p, q, (p.from_source(pair.trunk_p), q.from_source(pair.trunk_q)))
 
 
 @cache
-def blob_draft() -> Draft:
+def blob_draft() -> DissectedPlan:
     """Of two blobs that are no exact pair."""
     a, b = blob(1), blob(2)
     for score in best_trunk_pairs(a, b, count=16):
@@ -236,7 +236,7 @@ def test_the_detailed_transform_is_certified_and_the_same_again() -> None:
     draft = blob_draft()
     made = draft.transform()
     assert made.certificate().passed
-    again = draft_plan(draft.plan, PARAMETERS).transform()
+    again = dissect_plan(draft.plan, PARAMETERS).transform()
     for one, two in zip(made.pieces, again.pieces, strict=True):
         assert np.array_equal(one.lower, two.lower)
         assert np.array_equal(one.upper, two.upper)

@@ -12,14 +12,14 @@ from blobs import blob, pair_shapes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.construction.given import given_pair
+from riot.construction.given_trunks import given_pair
 from riot.construction.laplacian import construct_laplacian
-from riot.construction.laplacian.contact import CONTACT, Arcs
+from riot.construction.laplacian.contact import CONTACT, TrunkArcs
 from riot.construction.laplacian.method import tile
 from riot.construction.laplacian.phases import close_gaps, part_overlaps, scale_arcs
 from riot.construction.laplacian.residual import residuals
-from riot.construction.make import construct_plan
-from riot.construction.plan import Plan, TrunkPair, plan_pair
+from riot.construction.plan import ConstructionPlan, TrunkPair, plan_pair
+from riot.construction.plan_transform import construct_plan
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
@@ -33,7 +33,7 @@ SEEDS = st.integers(0, 10_000)
 
 
 @cache
-def blob_plan() -> Plan:
+def blob_plan() -> ConstructionPlan:
     """Two blobs on a trunk pair that can be made conjugate."""
     a, b = blob(1), blob(2)
     for score in best_trunk_pairs(a, b, count=16):
@@ -68,7 +68,7 @@ def bumps(rng: np.random.Generator, low: float = 0.15, high: float = 0.6) -> lis
 @given(SEEDS)
 @settings(max_examples=10)
 def test_what_is_known_of_vertices_matches_shapely(seed: int) -> None:
-    arcs = Arcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
+    arcs = TrunkArcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
     count = len(arcs.owner)
     vertices = shapely.points(np.column_stack([arcs.points[:count].real, arcs.points[:count].imag]))
     for i in range(len(arcs)):
@@ -82,10 +82,10 @@ def test_what_is_known_of_vertices_matches_shapely(seed: int) -> None:
 @given(SEEDS)
 @settings(max_examples=5)
 def test_after_a_change_of_one_arc_all_is_known_as_if_anew(seed: int) -> None:
-    arcs = Arcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
+    arcs = TrunkArcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
     arcs.points[arcs.span(2)][1:-1] += 0.05 - 0.02j
     arcs.renew(2)
-    anew = Arcs.of(square_trunk(), [arcs.arc(i) for i in range(4)])
+    anew = TrunkArcs.of(square_trunk(), [arcs.arc(i) for i in range(4)])
     for name in ("distance", "foot", "inside", "ahead", "ahead_foot"):
         assert np.array_equal(getattr(arcs, name), getattr(anew, name)), name
 
@@ -93,7 +93,7 @@ def test_after_a_change_of_one_arc_all_is_known_as_if_anew(seed: int) -> None:
 @given(SEEDS)
 @settings(max_examples=4)
 def test_every_phase_lowers_what_it_is_for(seed: int) -> None:
-    arcs = Arcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
+    arcs = TrunkArcs.of(square_trunk(), bumps(np.random.default_rng(seed)))
     start = arcs.residual(1024)
     part_overlaps(arcs, 1000)
     parted = arcs.residual(1024)

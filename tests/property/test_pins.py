@@ -14,11 +14,11 @@ import shapely
 from blobs import blob
 
 from riot import ConstructionError, FormatError, Shape, construct
-from riot.construction.draft import Draft, draft_plan
-from riot.construction.match import LEAF
-from riot.construction.pinning import TOLERANCE
+from riot.construction.dissected_plan import DissectedPlan, dissect_plan
+from riot.construction.pinned_paths import TOLERANCE
 from riot.construction.pins import Pin, Pins, draw, keep, load_pins, pins_from_json
-from riot.construction.plan import Plan
+from riot.construction.plan import ConstructionPlan
+from riot.construction.tree_match import LEAF
 from riot.parameters import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.types import FloatArray
@@ -26,16 +26,16 @@ from riot.units import L_C
 
 
 @cache
-def blob_draft() -> Draft:
+def blob_draft() -> DissectedPlan:
     """Of two blobs that are no exact pair."""
     a, b = blob(1), blob(2)
-    drafts: list[Draft] = []
+    drafts: list[DissectedPlan] = []
 
-    def record(plan: Plan, parameters: ConstructParameters) -> Draft:
-        drafts.append(draft_plan(plan, parameters))
+    def record(plan: ConstructionPlan, parameters: ConstructParameters) -> DissectedPlan:
+        drafts.append(dissect_plan(plan, parameters))
         return drafts[-1]
 
-    with mock.patch.object(importlib.import_module("riot.construction.make"), "draft_plan", record):
+    with mock.patch.object(importlib.import_module("riot.construction.plan_transform"), "dissect_plan", record):
         for score in best_trunk_pairs(a, b, count=16):
             with contextlib.suppress(ConstructionError):
                 construct(a, b, (a.points[score.trunk_a], b.points[score.trunk_b]))

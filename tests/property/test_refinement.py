@@ -9,11 +9,11 @@ import pytest
 from blobs import blob, pair_shapes
 
 from riot import Shape
-from riot.construction.choose import drop_without_contact, refine_best
-from riot.construction.given import given_pair
-from riot.construction.make import construct_plan
-from riot.construction.plan import Plan, TrunkPair, plan_pair
+from riot.construction.given_trunks import given_pair
+from riot.construction.plan import ConstructionPlan, TrunkPair, plan_pair
+from riot.construction.plan_transform import construct_plan
 from riot.construction.refine import refine
+from riot.construction.trunk_choice import drop_without_contact, refine_best
 from riot.errors import ConstructionError
 from riot.geometry.polyline import edge_lengths
 from riot.groundtruth.pairs import exact_pair
@@ -28,7 +28,7 @@ PARAMETERS = RefineParameters()
 
 
 @cache
-def plans(one: int, other: int) -> list[Plan]:
+def plans(one: int, other: int) -> list[ConstructionPlan]:
     a, b = blob(one), blob(other)
     found = []
     for score in best_trunk_pairs(a, b, count=6):
@@ -58,13 +58,13 @@ def test_arcs_are_carried_rigidly_and_end_on_the_corners(one: int, other: int) -
 @pytest.mark.parametrize(("one", "other"), [(1, 2), (4, 9)])
 def test_gradient_is_that_of_the_bounds(one: int, other: int) -> None:
     plan = plans(one, other)[0]
-    _, gradient = least_changes(*plan.pair.sides, plan.trunks, 4096)
+    _, gradient = least_changes(*plan.pair.windowed_outlines, plan.trunks, 4096)
     step = 1e-4
     for corner in np.ndindex(plan.trunks.shape):
         change = np.zeros_like(plan.trunks)
         change[corner] = step
-        above, _ = least_changes(*plan.pair.sides, plan.trunks + change, 20000)
-        below, _ = least_changes(*plan.pair.sides, plan.trunks - change, 20000)
+        above, _ = least_changes(*plan.pair.windowed_outlines, plan.trunks + change, 20000)
+        below, _ = least_changes(*plan.pair.windowed_outlines, plan.trunks - change, 20000)
         # What moves besides the arcs are the connectors, short where the corners are near the boundary.
         assert gradient[(slice(None), *corner)] == pytest.approx((above - below) / (2.0 * step), abs=0.06)
 

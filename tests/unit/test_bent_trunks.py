@@ -20,7 +20,7 @@ def test_without_bends_the_bound_is_the_librarys() -> None:
     plan = plan_of(exact_transform(exact_pair(4, 3)))
     rng = np.random.default_rng(0)
     moved = plan.trunks + rng.normal(0.0, 0.02, plan.trunks.shape)
-    ours, _ = least_changes(*plan.pair.sides, moved, 256)
+    ours, _ = least_changes(*plan.pair.windowed_outlines, moved, 256)
     straight = bound(plan.pair, moved, np.zeros((4, 0)))
     assert straight == pytest.approx(float(ours.min()), abs=2e-3)
     assert straight < 0.999

@@ -14,14 +14,14 @@ from riot import Transform
 from riot.cli.main import main
 from riot.errors import FormatError
 from riot.groundtruth.pairs import exact_pair, exact_transform
-from riot.transform.history import History, Step
+from riot.transform.history import History, HistoryStep
 from riot.transform.provenance import code_digest, describe_history, record_history
 from riot.transform.riot_file import from_json, to_json
 
 HISTORY = History(
     "riot make",
     ("a" * 64, "b" * 64),
-    (Step("ingest", {"spacing": 100.0, "deep": {"list": [1, None, "é"]}}, "c" * 64, ("d" * 64, "e" * 64)),),
+    (HistoryStep("ingest", {"spacing": 100.0, "deep": {"list": [1, None, "é"]}}, "c" * 64, ("d" * 64, "e" * 64)),),
     {"numpy": "2.0"},
 )
 

@@ -17,7 +17,7 @@ unit-area frame (ours). Twice as much leaves twice the areas; less deforms the s
 
 
 @dataclass(frozen=True, eq=False)
-class Arcs:
+class TrunkArcs:
     """The arcs in one trunk, and what is known of every vertex and every arc; the arrays' contents change.
 
     Parameters
@@ -47,7 +47,7 @@ class Arcs:
     ahead_foot: ComplexArray
 
     @classmethod
-    def of(cls, trunk: FloatArray, arcs: list[FloatArray]) -> Arcs:
+    def of(cls, trunk: FloatArray, arcs: list[FloatArray]) -> TrunkArcs:
         """Arcs (m_i, 2) each, whose end points are the trunk's corners."""
         outline = np.concatenate([trunk, trunk[:1]])
         sizes = np.array([len(arc) for arc in arcs])

@@ -20,7 +20,7 @@ from riot.types import FloatArray, IntArray
 from riot.units import L_C
 
 if TYPE_CHECKING:
-    from riot.construction.plan import Plan
+    from riot.construction.plan import ConstructionPlan
 
 SPACING = L_C / 200
 """Points are put between those of the arcs until they are closer than this, before each round (ours)."""
@@ -35,7 +35,7 @@ TOLERANCE = 1e-3
 """Gaps, overlaps and outside of a trunk together at which the rounds end, and the least gain of a round (ours)."""
 
 
-def construct_laplacian(plan: Plan, parameters: ConstructParameters) -> Transform:
+def construct_laplacian(plan: ConstructionPlan, parameters: ConstructParameters) -> Transform:
     """The paper's transform on the trunks of a plan.
 
     Arcs follow their trunks by similarity, from the outlines' trunk vertices; the plan's own arcs are not used. Pieces
@@ -85,15 +85,15 @@ def tile(
     dense = [_dense(swung[start:stop]) for start, stop in pairwise(offsets.tolist())]
     for k, arc in enumerate(dense):
         arc[0], arc[-1] = trunk[k], trunk[(k + 1) % len(trunk)]
-    residuals = [Arcs.of(trunk, dense).residual(parameters.lines)]
-    arcs = Arcs.of(trunk, scale_arcs(trunk, dense))
+    residuals = [TrunkArcs.of(trunk, dense).residual(parameters.lines)]
+    arcs = TrunkArcs.of(trunk, scale_arcs(trunk, dense))
     residuals.append(arcs.residual(parameters.lines))
     best, least = _copied(arcs), residuals[-1].total
     for _ in range(MOST_ROUNDS):
         if residuals[-1].total < TOLERANCE:
             break
         # What has been stretched needs points again: an edge across another piece has none that lies in it.
-        arcs = Arcs.of(trunk, [_dense(arcs.arc(i)) for i in range(len(arcs))])
+        arcs = TrunkArcs.of(trunk, [_dense(arcs.arc(i)) for i in range(len(arcs))])
         steps = part_overlaps(arcs, MOST_STEPS) + close_gaps(arcs, MOST_STEPS)
         residuals.append(arcs.residual(parameters.lines))
         gain = least - residuals[-1].total

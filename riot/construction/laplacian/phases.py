@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.construction.laplacian.contact import CONTACT, Arcs
+from riot.construction.laplacian.contact import CONTACT, TrunkArcs
 from riot.construction.laplacian.editing import Editing
 from riot.kernels.laplacian import ComplexArray
 from riot.types import FloatArray
@@ -64,7 +64,7 @@ def _excess(trunk: FloatArray, outwards: FloatArray, arc: FloatArray) -> float:
     return float((arc @ outwards.T - offsets).max())
 
 
-def part_overlaps(arcs: Arcs, most: int) -> int:
+def part_overlaps(arcs: TrunkArcs, most: int) -> int:
     """Push arcs out of each other's pieces, and into the trunk, in ``most`` steps at most; returns how many."""
     for step in range(most):
         if not _advance(arcs, *arcs.overlaps(), trunk=True):
@@ -72,7 +72,7 @@ def part_overlaps(arcs: Arcs, most: int) -> int:
     return most
 
 
-def close_gaps(arcs: Arcs, most: int) -> int:
+def close_gaps(arcs: TrunkArcs, most: int) -> int:
     """Pull arcs towards each other across gaps, in ``most`` steps at most; returns how many."""
     for step in range(most):
         if not _advance(arcs, *arcs.gaps(), trunk=False):
@@ -80,7 +80,7 @@ def close_gaps(arcs: Arcs, most: int) -> int:
     return most
 
 
-def _advance(arcs: Arcs, depth: FloatArray, foot: ComplexArray, *, trunk: bool) -> bool:
+def _advance(arcs: TrunkArcs, depth: FloatArray, foot: ComplexArray, *, trunk: bool) -> bool:
     """Move the deepest vertex a step towards its foot; False if there is none deeper than `CONTACT`."""
     k = int(depth.argmax())
     if depth[k] < CONTACT:

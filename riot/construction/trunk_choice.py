@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy.typing as npt
 
-from riot.construction.draft import require_plan_contact
-from riot.construction.given import given_pair
-from riot.construction.make import construct_plan
+from riot.construction.dissected_plan import require_plan_contact
+from riot.construction.given_trunks import given_pair
 from riot.construction.pins import Pins
-from riot.construction.plan import Plan, TrunkPair, plan_pair
+from riot.construction.plan import ConstructionPlan, TrunkPair, plan_pair
+from riot.construction.plan_transform import construct_plan
 from riot.construction.refine import refine
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
@@ -74,10 +74,10 @@ def construct(
     return construct_plans(plans, unplanned, parameters, pins)
 
 
-def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None) -> list[Plan]:
+def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None) -> list[ConstructionPlan]:
     """Refined trunk pairs of two shapes, the one that allows the least deformation first; TrunkError if there is none.
 
-    Each is a choice: `construct_plan` makes the transform on it, `riot.construction.draft.draft_plan` also with pins.
+    Each is a choice: `construct_plan` makes the transform on it, `riot.construction.dissected_plan.dissect_plan` also with pins.
 
     >>> from riot import Shape
     >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
@@ -92,7 +92,9 @@ def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None)
     return plans
 
 
-def find_plans(a: Shape, b: Shape, refinement: RefineParameters) -> tuple[list[Plan], list[ConstructionError]]:
+def find_plans(
+    a: Shape, b: Shape, refinement: RefineParameters
+) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
     """Refined plans on the trunk pairs of highest CRS, and why the others gave none; TrunkError without trunk pairs."""
     full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
     for shape, found in ((a, full_a), (b, full_b)):
@@ -108,7 +110,7 @@ def find_plans(a: Shape, b: Shape, refinement: RefineParameters) -> tuple[list[P
 
 def refine_scored(
     a: Shape, b: Shape, scores: Sequence[CrossScore], refinement: RefineParameters
-) -> tuple[list[Plan], list[ConstructionError]]:
+) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
     """As `find_plans`, of trunk pairs that are known."""
     plans, unplanned = plan_pairs(trunk_pairs(a, b, scores, refinement.reach), refinement)
     return refine_best(plans, refinement), unplanned
@@ -119,9 +121,11 @@ def trunk_pairs(a: Shape, b: Shape, scores: Sequence[CrossScore], reach: float) 
     return [TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b, reach) for score in scores]
 
 
-def plan_pairs(pairs: Sequence[TrunkPair], parameters: RefineParameters) -> tuple[list[Plan], list[ConstructionError]]:
+def plan_pairs(
+    pairs: Sequence[TrunkPair], parameters: RefineParameters
+) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
     """Plans, highest bound first, and why the other trunk pairs gave none."""
-    plans: list[Plan] = []
+    plans: list[ConstructionPlan] = []
     unplanned: list[ConstructionError] = []
     for pair in pairs:
         try:
@@ -131,7 +135,7 @@ def plan_pairs(pairs: Sequence[TrunkPair], parameters: RefineParameters) -> tupl
     return sorted(plans, key=lambda plan: -plan.bound), unplanned
 
 
-def refine_best(plans: Sequence[Plan], parameters: RefineParameters) -> list[Plan]:
+def refine_best(plans: Sequence[ConstructionPlan], parameters: RefineParameters) -> list[ConstructionPlan]:
     """Plans, highest bound first, with the most promising refined a little, and the best of these to the end."""
     rest = list(plans)
     for count, steps in ((parameters.sketched, parameters.sketch_steps), (parameters.refined, parameters.steps)):
@@ -141,11 +145,11 @@ def refine_best(plans: Sequence[Plan], parameters: RefineParameters) -> list[Pla
 
 
 def drop_without_contact(
-    plans: Sequence[Plan], spacing: float, allowed: float
-) -> tuple[list[Plan], list[ConstructionError]]:
+    plans: Sequence[ConstructionPlan], spacing: float, allowed: float
+) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
     """Plans from the first on whose pieces keep their edges, so that its bound can be had; why those before it do not.
 
-    ``spacing`` and ``allowed`` as in `riot.construction.draft.require_plan_contact`.
+    ``spacing`` and ``allowed`` as in `riot.construction.dissected_plan.require_plan_contact`.
     """
     errors: list[ConstructionError] = []
     for k, plan in enumerate(plans):
@@ -159,7 +163,7 @@ def drop_without_contact(
 
 
 def construct_plans(
-    plans: Sequence[Plan],
+    plans: Sequence[ConstructionPlan],
     unplanned: Sequence[ConstructionError],
     parameters: ConstructParameters,
     pins: Pins | None = None,

@@ -77,7 +77,7 @@ AS_NEAR = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class Match:
+class TreeMatch:
     """One tree with the arcs beside it, matched.
 
     ``tree`` are its arcs, close junctions made one; ``walks`` those around every cell; ``targets`` (k, 2) are the
@@ -104,7 +104,7 @@ class Match:
         return self.which < 0
 
 
-def match_tree(tree: Sequence[TreeArc], arcs: Sequence[FloatArray], parameters: DetailParameters) -> Match:
+def match_tree(tree: Sequence[TreeArc], arcs: Sequence[FloatArray], parameters: DetailParameters) -> TreeMatch:
     """Match the stretches of both arcs beside each tree arc; ``arcs[k]`` (s, 2) runs from corner k to corner k + 1."""
     step = parameters.step * L_C
     tree = _contracted(tree, len(arcs), parameters.contract * L_C, [True] * len(tree))
@@ -152,7 +152,7 @@ def match_tree(tree: Sequence[TreeArc], arcs: Sequence[FloatArray], parameters: 
     sides = np.stack([np.concatenate([part[s] for part in parts]) for s in (0, 1)])
     positions = np.stack([np.concatenate([part[s] for part in parts]) for s in (2, 3)])
     which, known, ends = _unknowns(tree, offsets, corners)
-    return Match(tree, walks, 0.5 * (sides[0] + sides[1]), sides, positions, offsets, which, known, ends, cornered)
+    return TreeMatch(tree, walks, 0.5 * (sides[0] + sides[1]), sides, positions, offsets, which, known, ends, cornered)
 
 
 def _contracted(tree: Sequence[TreeArc], n: int, least: float, may: Sequence[bool]) -> list[TreeArc]:

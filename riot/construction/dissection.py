@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from riot.construction.detail import Detailed, add_detail
-from riot.construction.match import DetailParameters, Match, match_tree
 from riot.construction.mesh import mesh_convex
 from riot.construction.partition import label_cells
 from riot.construction.tree import TreeArc, cell_walks, dissection_tree, joined
+from riot.construction.tree_match import DetailParameters, TreeMatch, match_tree
 from riot.errors import ConstructionError
 from riot.parameters import ConstructParameters
 from riot.types import FloatArray, IntArray
@@ -44,7 +44,7 @@ class Dissection:
         return cell_walks(len(self.trunk), self.tree)
 
     @cached_property
-    def match(self) -> Match:
+    def match(self) -> TreeMatch:
         """The tree's arcs matched with the swung arcs beside them."""
         return match_tree(self.tree, self.arcs, self.detail)
 

@@ -10,9 +10,9 @@ import numpy as np
 import shapely
 
 from riot.construction.detail import Pull, add_detail
-from riot.construction.dissect import Dissection
-from riot.construction.match import LEAF, Match, match_tree
+from riot.construction.dissection import Dissection
 from riot.construction.pins import Pin
+from riot.construction.tree_match import LEAF, TreeMatch, match_tree
 from riot.errors import ConstructionError
 from riot.kernels.matching import along, at
 from riot.types import FloatArray
@@ -32,7 +32,7 @@ WEIGHT = 1e14
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class PinnedInterval:
     """A pinned stretch of the swung arc of ``cell``, from position ``start`` to ``stop`` along it."""
 
     cell: int
@@ -48,7 +48,7 @@ def pinned_paths(dissection: Dissection, outer: FloatArray, pins: Sequence[Pin],
     """
     if not pins:
         return dissection.paths
-    arcs, stretches = list(dissection.arcs), dict[int, list[Stretch]]()
+    arcs, stretches = list(dissection.arcs), dict[int, list[PinnedInterval]]()
     # Drawn lines first: they change what is kept.
     for k, pin in sorted(enumerate(pins), key=lambda item: not item[1].drawn):
         said = f"pin {k} of {name}"
@@ -114,7 +114,7 @@ class _Placed:
             return positions[0], positions[0] + sum(ahead), True
         return positions[-1], positions[-1] + sum(back), False
 
-    def split(self, start: float, stop: float) -> list[Stretch]:
+    def split(self, start: float, stop: float) -> list[PinnedInterval]:
         """The arcs' parts of a stretch around the outline."""
         total = float(self.starts[-1])
         found = []
@@ -123,7 +123,7 @@ class _Placed:
                 first = float(self.starts[cell]) + turn * total
                 low, high = max(start - first, 0.0), min(stop - first, float(lengths[-1]))
                 if high > low:
-                    found.append(Stretch(cell, low, high))
+                    found.append(PinnedInterval(cell, low, high))
         return found
 
 
@@ -135,7 +135,7 @@ def _carried(points: FloatArray, source: FloatArray, target: FloatArray) -> Floa
     return np.asarray(moved)
 
 
-def _kept(placed: _Placed, pin: Pin, said: str) -> list[Stretch]:
+def _kept(placed: _Placed, pin: Pin, said: str) -> list[PinnedInterval]:
     positions = [placed.position(point, said) for point in pin.points]
     if len(positions) == 1:
         return placed.split(positions[0] - AROUND, positions[0] + AROUND)
@@ -143,7 +143,7 @@ def _kept(placed: _Placed, pin: Pin, said: str) -> list[Stretch]:
     return placed.split(start, stop)
 
 
-def _drawn(placed: _Placed, pin: Pin, said: str) -> tuple[FloatArray, Stretch]:
+def _drawn(placed: _Placed, pin: Pin, said: str) -> tuple[FloatArray, PinnedInterval]:
     """The swung arc with the drawn line in it, and where on it that is."""
     ends = [placed.position(pin.points[k], said) for k in (0, -1)]
     start, stop, forwards = placed.stretch(ends)
@@ -166,10 +166,10 @@ def _drawn(placed: _Placed, pin: Pin, said: str) -> tuple[FloatArray, Stretch]:
         raise ConstructionError("pins", f"{said}: the drawn line crosses the outline of its piece: draw it clear of it")
     first = int((lengths < low - 1e-9).sum())
     measured = along(arc)
-    return arc, Stretch(cell, float(measured[first]), float(measured[first + len(line) - 1]))
+    return arc, PinnedInterval(cell, float(measured[first]), float(measured[first + len(line) - 1]))
 
 
-def _pull(match: Match, stretches: Sequence[Stretch]) -> Pull:
+def _pull(match: TreeMatch, stretches: Sequence[PinnedInterval]) -> Pull:
     """Draw the samples of pinned stretches to their own arc; between two pins that face each other, to the middle."""
     total = np.zeros_like(match.targets)
     count = np.zeros(len(match.targets))
@@ -187,7 +187,7 @@ def _pull(match: Match, stretches: Sequence[Stretch]) -> Pull:
     return Pull(wanted, np.where(count > 0.0, WEIGHT, 0.0))
 
 
-def _missed(arc: FloatArray, path: FloatArray, stretch: Stretch) -> float:
+def _missed(arc: FloatArray, path: FloatArray, stretch: PinnedInterval) -> float:
     """Greatest distance from a pinned stretch to the path, `LEAF` off the hinges."""
     lengths = along(arc)
     inside = lengths[(lengths > stretch.start) & (lengths < stretch.stop)]

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from riot.construction.dissect import Dissection, dissect
-from riot.construction.match import DetailParameters
+from riot.construction.dissection import Dissection, dissect
 from riot.construction.mesh import mesh_convex
 from riot.construction.partition import require_contact
-from riot.construction.pinning import pinned_paths
+from riot.construction.pinned_paths import pinned_paths
 from riot.construction.pins import Pins
+from riot.construction.tree_match import DetailParameters
 from riot.errors import ConstructionError
 from riot.geometry.polyline import edge_lengths, trunk_angles
 from riot.parameters import ConstructParameters
@@ -25,21 +25,21 @@ from riot.types import FloatArray, IntArray
 from riot.units import L_C
 
 if TYPE_CHECKING:
-    from riot.construction.plan import Plan
+    from riot.construction.plan import ConstructionPlan
 
 
 @dataclass(frozen=True, eq=False)
-class Draft:
+class DissectedPlan:
     """A plan with its partitions.
 
     Parameters
     ----------
-    plan : Plan
+    plan : ConstructionPlan
     lower, upper : Dissection
         Of Q's trunk by P's arcs, and of P's trunk by Q's, as they are dissected: counter-clockwise.
     """
 
-    plan: Plan
+    plan: ConstructionPlan
     lower: Dissection
     upper: Dissection
 
@@ -108,19 +108,21 @@ class Draft:
         )
 
 
-def draft_plan(plan: Plan, parameters: ConstructParameters, detail: DetailParameters | None = None) -> Draft:
+def dissect_plan(
+    plan: ConstructionPlan, parameters: ConstructParameters, detail: DetailParameters | None = None
+) -> DissectedPlan:
     """Partition both trunks of a plan; ConstructionError with the reason if a partition fails."""
     # A dissection is made in a counter-clockwise trunk, region k on the edge from corner k to corner k + 1.
     lower, upper = _backwards(plan.arcs_p, plan.offsets_p), _backwards(plan.arcs_q, plan.offsets_q)
-    return Draft(
+    return DissectedPlan(
         plan,
         dissect(plan.trunk_q[::-1], lower, parameters, "Q's trunk", detail),
         dissect(plan.trunk_p, upper, parameters, "P's trunk", detail),
     )
 
 
-def require_plan_contact(plan: Plan, spacing: float, allowed: float) -> None:
-    """ConstructionError if either partition would fail for want of contact; a small part of the cost of `draft_plan`.
+def require_plan_contact(plan: ConstructionPlan, spacing: float, allowed: float) -> None:
+    """ConstructionError if either partition would fail for want of contact; a small part of the cost of `dissect_plan`.
 
     ``spacing`` and ``allowed`` as `spacing` and `max_lost_contact` of `riot.parameters.ConstructParameters`.
     """
