@@ -1,4 +1,4 @@
-"""From one plan to its transform: by the exact method, with its certificate, or by the paper's (theory §8)."""
+"""Construct the transform of one plan: by the exact method, with its certificate, or by the paper's (theory §8)."""
 
 from __future__ import annotations
 
@@ -13,18 +13,26 @@ from riot.transform.transform import Transform
 
 
 def construct_plan(plan: ConstructionPlan, parameters: ConstructParameters, pins: Pins | None = None) -> Transform:
-    """The transform on one plan by ``parameters.method``; ConstructionError if an exact one is not to be had.
+    """Construct the transform of one plan by ``parameters.method`` (exact: ours; laplacian: paper §4.3).
 
-    `riot.construction.dissected_plan.dissect_plan` keeps the partitions of the exact method, to cut the pieces again with other
-    pins.
+    `riot.construction.dissected_plan.dissect_plan` keeps the partitions of the exact method, so that the pieces can be
+    cut again with other pins. Raises ConstructionError if the exact method gives no transform with a certificate, if a
+    pin cannot be met, or if pins are given to the paper's method, which has none.
+
+    >>> from riot import Shape, alternatives
+    >>> from riot.parameters import ConstructParameters
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> len(construct_plan(alternatives(house, kite)[0], ConstructParameters()))  # pieces
+    4
     """
     if parameters.method == "laplacian":
         if pins:
             raise ConstructionError("pins", "the paper's method (laplacian) knows no pins: use method=exact")
         return construct_laplacian(plan, parameters)
-    made = dissect_plan(plan, parameters).transform(pins)
-    certificate = certify(made)
+    transform = dissect_plan(plan, parameters).transform(pins)
+    certificate = certify(transform)
     if not certificate.passed:
         reason = "overlap" if certificate.p.simple and certificate.q.simple else "not-simple"
         raise ConstructionError(reason, f"the certificate fails: {certificate.failure}")
-    return made
+    return transform

@@ -20,6 +20,9 @@ from riot.scores.trunks import full_trunks
 from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
 
+PlansAndFailures = tuple[list[ConstructionPlan], list[ConstructionError]]
+"""Plans, the one of highest bound first, and why the other trunk pairs gave none."""
+
 
 def construct(
     a: Shape,
@@ -75,9 +78,10 @@ def construct(
 
 
 def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None) -> list[ConstructionPlan]:
-    """Refined trunk pairs of two shapes, the one that allows the least deformation first; TrunkError if there is none.
+    """Find the refined trunk pairs of two shapes, the one that allows the least deformation first (ours).
 
-    Each is a choice: `construct_plan` makes the transform on it, `riot.construction.dissected_plan.dissect_plan` also with pins.
+    `construct_plan` makes the transform of one of them, and `riot.construction.dissected_plan.dissect_plan` keeps the
+    partitions, so that pins can change. Raises TrunkError if the shapes have no trunk pair that can be made conjugate.
 
     >>> from riot import Shape
     >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
@@ -92,9 +96,7 @@ def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None)
     return plans
 
 
-def find_plans(
-    a: Shape, b: Shape, refinement: RefineParameters
-) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
+def find_plans(a: Shape, b: Shape, refinement: RefineParameters) -> PlansAndFailures:
     """Refined plans on the trunk pairs of highest CRS, and why the others gave none; TrunkError without trunk pairs."""
     full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
     for shape, found in ((a, full_a), (b, full_b)):
@@ -108,9 +110,7 @@ def find_plans(
     return refine_scored(a, b, scores, refinement)
 
 
-def refine_scored(
-    a: Shape, b: Shape, scores: Sequence[CrossScore], refinement: RefineParameters
-) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
+def refine_scored(a: Shape, b: Shape, scores: Sequence[CrossScore], refinement: RefineParameters) -> PlansAndFailures:
     """As `find_plans`, of trunk pairs that are known."""
     plans, unplanned = plan_pairs(trunk_pairs(a, b, scores, refinement.reach), refinement)
     return refine_best(plans, refinement), unplanned
@@ -121,9 +121,7 @@ def trunk_pairs(a: Shape, b: Shape, scores: Sequence[CrossScore], reach: float) 
     return [TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b, reach) for score in scores]
 
 
-def plan_pairs(
-    pairs: Sequence[TrunkPair], parameters: RefineParameters
-) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
+def plan_pairs(pairs: Sequence[TrunkPair], parameters: RefineParameters) -> PlansAndFailures:
     """Plans, highest bound first, and why the other trunk pairs gave none."""
     plans: list[ConstructionPlan] = []
     unplanned: list[ConstructionError] = []
@@ -144,9 +142,7 @@ def refine_best(plans: Sequence[ConstructionPlan], parameters: RefineParameters)
     return rest
 
 
-def drop_without_contact(
-    plans: Sequence[ConstructionPlan], spacing: float, allowed: float
-) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
+def drop_without_contact(plans: Sequence[ConstructionPlan], spacing: float, allowed: float) -> PlansAndFailures:
     """Plans from the first on whose pieces keep their edges, so that its bound can be had; why those before it do not.
 
     ``spacing`` and ``allowed`` as in `riot.construction.dissected_plan.require_plan_contact`.

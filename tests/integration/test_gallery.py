@@ -29,10 +29,10 @@ def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("outputs") / "fake"
     folder.mkdir()
     made = fake_run.transforms()
-    told = History(
+    history = History(
         "riot make", ("ab" * 32, "cd" * 32), (HistoryStep("trunks", {"spacing": 15.0}, "ef" * 32),), {"numpy": "2"}
     )
-    made[0] = replace(made[0], history=told)
+    made[0] = replace(made[0], history=history)
     names = {"name_i": "a", "name_j": "b", "class_i": "", "class_j": ""}
     puzzle = names | {
         "rank": 1,

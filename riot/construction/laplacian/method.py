@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from riot.construction.laplacian.contact import Arcs
+from riot.construction.laplacian.contact import TrunkArcs
 from riot.construction.laplacian.phases import close_gaps, part_overlaps, scale_arcs
 from riot.construction.laplacian.residual import Residual
 from riot.geometry.polyline import edge_lengths, trunk_angles
@@ -104,7 +104,7 @@ def tile(
     return best, residuals
 
 
-def _copied(arcs: Arcs) -> list[FloatArray]:
+def _copied(arcs: TrunkArcs) -> list[FloatArray]:
     return [arcs.arc(i) for i in range(len(arcs))]
 
 
