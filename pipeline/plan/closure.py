@@ -21,15 +21,18 @@ from pipeline.plan.module_facts import FactsCache, ModuleFacts
 from pipeline.plan.sources import Source, read_sources
 from pipeline.plan.stage_parts import STAGE, Part
 
-DECLARATIONS = frozenset(
-    {
-        *(f"riot.parameters.{group}" for group in ("shape", "reversibility", "trunks", "qcrs", "crs", "refine")),
-        *("riot.parameters.construct", "riot.parameters.motion", "riot.parameters.field"),
-        *("riot.errors", "pipeline.errors"),
-    }
-)
-"""Modules that compute nothing: the values of parameters and specs enter a key by themselves, so that a new parameter
-or another default of one stage leaves the other stages' keys alone."""
+ERRORS = frozenset({"riot.errors", "pipeline.errors"})
+
+COMPUTING_PARAMETERS = frozenset({"riot.parameters.fabrication"})
+"""Modules of parameters that derive sizes from them."""
+
+
+def is_declaration(module: str) -> bool:
+    """Whether a module computes nothing: the values of parameters enter a key by themselves.
+
+    A new parameter, or another default of one stage, therefore leaves the keys of the other stages alone.
+    """
+    return module in ERRORS or (module.startswith("riot.parameters.") and module not in COMPUTING_PARAMETERS)
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ class Project:
         return {
             name: _join(part.digest if (part := self._part(name)) else self._facts(name).digest, closure.leads[name])
             for name in closure.modules
-            if name not in DECLARATIONS
+            if not is_declaration(name)
         }
 
     def file_digest(self, module: str) -> str:
