@@ -15,7 +15,8 @@ from hydra.errors import HydraException
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline.config.schema import Config, make_config, unknown_name
+from pipeline.config.build import make_config, unknown_name
+from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
 from pipeline.store.keys import digest_text
 

@@ -16,8 +16,9 @@ from platformdirs import user_cache_path
 
 from pipeline.datasets import sample
 from pipeline.datasets.item import Item
-from riot.errors import RiotError
+from riot.errors import ParameterError, RiotError
 from riot.geometry.picture import SUFFIXES
+from riot.parameters.field import ParameterGroup, parameter
 
 PICTURES = frozenset({*SUFFIXES, ".svg"})
 """Files with these suffixes are items; whether they are pictures shows at ingest."""
@@ -39,34 +40,33 @@ class DatasetError(RiotError, FileNotFoundError):
 
 
 @dataclass(frozen=True)
-class DatasetConfig:
+class DatasetConfig(ParameterGroup):
     """Which collection a run mines."""
 
-    name: str = "sample"
-    """Names the folder of the outputs."""
-    kind: Kind = "sample"
-    root: str | None = None
-    """Folder with the pictures; null = the data set's place in the user's cache folder. ``paper``: a folder that
-    holds ``mpeg7`` and ``animals``."""
-    mpeg7: str | None = None
-    """Folder with MPEG-7 (``paper`` only), before ``root``."""
-    animals: str | None = None
-    """Folder with the animals (``paper`` only), before ``root``."""
-    limit: int | None = None
-    """Take so many items only, spread evenly over the collection; null = all."""
+    name: str = parameter("sample", meaning="Names the folder of the outputs.")
+    kind: Kind = parameter("sample", meaning="How the collection is laid out; dataset=KIND sets it.")
+    root: str | None = parameter(
+        None,
+        meaning="Folder with the pictures; null = the data set's place in the user's cache folder. Of paper: a folder "
+        "that holds mpeg7 and animals.",
+    )
+    mpeg7: str | None = parameter(None, meaning="Folder with MPEG-7, instead of the one in root (paper).")
+    animals: str | None = parameter(None, meaning="Folder with the animals, instead of the one in root (paper).")
+    limit: int | None = parameter(
+        None, at_least=1, meaning="Take so many items only, spread evenly over the collection; null = all."
+    )
 
-    def __post_init__(self) -> None:
-        """Raise ValueError for a name that is no folder name, a limit below 1, or a folder that is not looked at."""
+    def check_together(self) -> None:
+        """Refuse a name that is no folder's, and folders that this kind does not read; raises `ParameterError`."""
         if self.name in ("", ".", "..") or "/" in self.name or "\\" in self.name:
-            raise ValueError(f"name: {self.name!r} cannot name a folder of the outputs")
-        if self.limit is not None and self.limit < 1:
-            raise ValueError(f"limit: must be 1 or more, or null, got {self.limit}")
+            raise ParameterError("name", f"{self.name!r} cannot name a folder of the outputs")
         for option in ("root", "mpeg7", "animals"):
-            given = getattr(self, option)
-            if given == "":
-                raise ValueError(f"{option}: expected a folder, got nothing; the folder you are in is `.`")
-            if given is not None and option not in _FOLDERS[self.kind]:
-                raise ValueError(f"{option}: kind {self.kind} has no such folder; {_OWN_PICTURES}")
+            folder = getattr(self, option)
+            if folder == "":
+                raise ParameterError(option, "expected a folder, got nothing; the folder you are in is `.`")
+            if folder is not None and option not in _FOLDERS[self.kind]:
+                own = ", ".join(f"dataset.{name}" for name in ("name", *_FOLDERS[self.kind], "limit"))
+                raise ParameterError(option, f"the data set {self.kind} has {own} only; {_OWN_PICTURES}")
 
 
 @dataclass(frozen=True)

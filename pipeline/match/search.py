@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 
-from pipeline.config.schema import Config, make_config
+from pipeline.config.build import make_config
+from pipeline.config.schema import Config
 from pipeline.errors import ConfigError, PayloadError, StartError
 from pipeline.explain.causes import explain, gather
 from pipeline.match.index import load_index

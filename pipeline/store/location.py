@@ -10,6 +10,9 @@ class Url(str):
 
     __slots__ = ()
 
+    TYPE_NAME = "a URL"
+    """What messages and the table of parameters call it."""
+
     def __new__(cls, text: str) -> Url:
         """Raises ValueError for text that is no URL."""
         scheme, separator, rest = text.partition("://")

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 from omegaconf import OmegaConf
 
+from pipeline.config.build import build
 from pipeline.config.command_line import check_command, complete
-from pipeline.config.schema import build
 from pipeline.errors import ConfigError
 from pipeline.study.contents import write_contents
 from pipeline.study.findings import Findings, write_findings

@@ -10,7 +10,7 @@ import dataclasses
 import math
 import types
 import typing
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from numbers import Integral, Real
@@ -34,7 +34,10 @@ _TYPE_NAMES: dict[Any, str] = {
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a parameter means, and which values it can take; a bound of None does not exist."""
+    """What a parameter means, and which values it can take; a bound of None does not exist.
+
+    ``parse`` makes the value of what was given, before its type is checked; it raises ValueError for what it cannot be.
+    """
 
     meaning: str
     unit: str
@@ -43,6 +46,7 @@ class Parameter:
     at_least: float | None = None
     at_most: float | None = None
     below: float | None = None
+    parse: Callable[[Any], Any] | None = None
 
     @property
     def range(self) -> str:
@@ -80,13 +84,15 @@ def parameter(
     at_least: float | None = None,
     at_most: float | None = None,
     below: float | None = None,
+    parse: Callable[[Any], T] | None = None,
 ) -> T:
     """Declare a field of a `ParameterGroup`.
 
     ``unit`` is ``mm``, ``L_c``, ``D_c``, ``pixels`` or alike, empty for a plain number; ``source`` is a section of the
     paper, a citation, or ``ours``. ``above`` and ``below`` exclude the bound, ``at_least`` and ``at_most`` include it.
+    ``parse`` makes a value of text, for types that a command line cannot write, such as a path.
     """
-    declared = Parameter(meaning, unit, source, above, at_least, at_most, below)
+    declared = Parameter(meaning, unit, source, above, at_least, at_most, below, parse)
     field: Any = dataclasses.field(default=default, metadata={_KEY: declared})
     return typing.cast("T", field)
 
@@ -141,6 +147,11 @@ def check_value(name: str, kind: Any, declared: Parameter | None, value: Any) ->
 
     Raises `riot.errors.ParameterError`, which names the parameter, what is allowed, and the value.
     """
+    if declared is not None and declared.parse is not None:
+        try:
+            value = declared.parse(value)
+        except ValueError as error:
+            raise ParameterError(name, str(error)) from error
     kinds = typing.get_args(kind) if typing.get_origin(kind) in (typing.Union, types.UnionType) else (kind,)
     for option in kinds:
         if typing.get_origin(option) is Literal:
@@ -187,7 +198,9 @@ def type_name(kind: Any) -> str:
         return " or ".join(map(str, typing.get_args(kind)))
     if typing.get_origin(kind) is tuple:
         return "a list such as [a,b]"
-    return _TYPE_NAMES.get(kind, f"a {getattr(kind, '__name__', kind)}")
+    if isinstance(kind, type) and issubclass(kind, ParameterGroup):
+        return "a group of parameters"
+    return str(_TYPE_NAMES.get(kind) or getattr(kind, "TYPE_NAME", f"a {getattr(kind, '__name__', kind)}"))
 
 
 @cache

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pipeline.config.schema import make_config
+from pipeline.config.build import make_config
 from pipeline.match.search import Mined
 from pipeline.study.finished import Finished
 from riot.geometry.shape import Shape

@@ -17,7 +17,8 @@ import pipeline.cli.cache
 import pipeline.runtime.quarantine
 import pipeline.runtime.worker
 import pipeline.stages.shards
-from pipeline.config.schema import Config, make_config
+from pipeline.config.build import make_config
+from pipeline.config.schema import Config
 from pipeline.flow import Outcome, run_pipeline
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import Reference

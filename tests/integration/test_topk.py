@@ -15,7 +15,8 @@ from plans import planned as planned_run
 from small_runs import CLEAN, digests, draw, pictures, run, run_here, stages
 
 import pipeline.stages.shards
-from pipeline.config.schema import Config, make_config
+from pipeline.config.build import make_config
+from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
 from pipeline.flow import run_pipeline
 from pipeline.plan.progress import Progress

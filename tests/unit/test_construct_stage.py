@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pipeline.config.schema import make_config
+from pipeline.config.build import make_config
 from pipeline.errors import ConfigError
 from pipeline.report.comparison import read_comparison
 from pipeline.stages import construct, paper

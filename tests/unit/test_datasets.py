@@ -150,7 +150,7 @@ def test_nothing_there(tmp_path: Path) -> None:
         DatasetConfig("../elsewhere")
     with pytest.raises(ValueError, match=r"root: expected a folder"):
         DatasetConfig("mine", "folder", root="")
-    with pytest.raises(ValueError, match=r"sample has no such folder.*\+dataset=folder"):
+    with pytest.raises(ValueError, match=r"sample has dataset\.name, dataset\.limit only.*\+dataset=folder"):
         DatasetConfig(root="mine")
 
 

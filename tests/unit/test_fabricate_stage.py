@@ -14,7 +14,8 @@ import trimesh
 from colour_pictures import picture, placed
 from plans import planned
 
-from pipeline.config.schema import FabricateConfig, make_config
+from pipeline.config.build import make_config
+from pipeline.config.schema import FabricateConfig
 from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
 from pipeline.errors import ConfigError

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from pipeline.config.schema import make_config
+from pipeline.config.build import make_config
 from pipeline.errors import ConfigError
 from pipeline.stages.motion import STAGE, run
 from pipeline.store.artifact import Artifact, decode, encode

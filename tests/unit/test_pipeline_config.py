@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import is_dataclass
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
 
+from pipeline.config.build import make_config
 from pipeline.config.command_line import (
     allowed_names,
     check_command,
@@ -16,9 +19,11 @@ from pipeline.config.command_line import (
     sweep_values,
     swept_over,
 )
-from pipeline.config.schema import ClusterConfig, Config, SelectConfig, make_config
+from pipeline.config.schema import ClusterConfig, Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import ConfigError
+from riot.parameters import ParameterGroup
+from riot.parameters.field import describe
 
 SAMPLE = {"name": "sample", "kind": "sample"}
 
@@ -75,7 +80,7 @@ def test_data_sets_and_flags() -> None:
         ("trunks.min_inside=1.5", ["trunks.min_inside", "0 to 1"]),
         ("select.policy=best", ["select.policy", "paper, global"]),
         ("select=best", ["select=best", "global, paper"]),
-        ("select.top=0", ["select.top", "greater than 0"]),
+        ("select.top=0", ["select.top: must be 1 or more, got 0"]),
         ("cluster=big", ["cluster=big", "external, local, slurm, sync"]),
         ("cluster=external", ["cluster.address", "tcp://"]),
         ("cluster.workers=0", ["cluster.workers", "1 or more"]),
@@ -89,7 +94,10 @@ def test_data_sets_and_flags() -> None:
         ("nonsense", ["nonsense", "name=value"]),
         ("dataset.root=here", ["dataset.root", "sample", "+dataset=folder"]),
         ("+dataset.root=here", ["dataset.root", "sample", "+dataset=folder"]),
-        ("reversibility.waist_low=2", ["waist_low", "waist_high"]),
+        ("reversibility.waist_low=2", ["reversibility.waist_low", "waist_high"]),
+        ("store=s3://", ["store: 's3://' is no URL", "s3://bucket/prefix"]),
+        ("store=null", ["store: expected a path or a URL, got None"]),
+        ("qcrs.sigma_e=0", ["qcrs.sigma_e: must be greater than 0 D_c, or null, got 0"]),
     ],
 )
 def test_mistakes_are_named_with_what_is_allowed(argument: str, words: list[str]) -> None:
@@ -97,6 +105,18 @@ def test_mistakes_are_named_with_what_is_allowed(argument: str, words: list[str]
         check(argument)
     message = str(caught.value)
     assert all(word in message for word in words), message
+
+
+@pytest.mark.parametrize("group", [Config, *(kind for kind in get_type_hints(Config).values() if is_dataclass(kind))])
+def test_every_parameter_is_declared_with_its_meaning_and_source(group: type[ParameterGroup]) -> None:
+    for field in dataclasses.fields(group):
+        declared = describe(field)
+        if declared is None:
+            assert group is Config and is_dataclass(get_type_hints(Config)[field.name])
+        else:
+            assert declared.meaning.endswith(".") and declared.source and field.default is not dataclasses.MISSING
+            is_number = isinstance(field.default, int | float) and not isinstance(field.default, bool)
+            assert not is_number or declared.range, field.name
 
 
 def test_one_data_set_with_its_own_parameters() -> None:

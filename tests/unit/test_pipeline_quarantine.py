@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config.schema import Config, make_config
+from pipeline.config.build import make_config
+from pipeline.config.schema import Config
 from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
 from pipeline.plan.progress import Progress, begin

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.config.schema import Config, make_config
+from pipeline.config.build import make_config
+from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
 from pipeline.stages.all import BY_NAME
 from riot.parameters import QCRS_VARIANTS, QcrsParameters
