@@ -139,7 +139,7 @@ def allowed_range(group: type[ParameterGroup], name: str) -> tuple[float, float]
     assert declared is not None
     least = declared.at_least if declared.at_least is not None else declared.above
     greatest = declared.at_most if declared.at_most is not None else declared.below
-    return (-math.inf if least is None else least, math.inf if greatest is None else greatest)
+    return (-math.inf if least is None else float(least), math.inf if greatest is None else float(greatest))
 
 
 def check_value(name: str, kind: Any, declared: Parameter | None, value: Any) -> Any:
