@@ -17,6 +17,7 @@ from riot.errors import ParameterError
 from riot.parameters import (
     QCRS_VARIANTS,
     ConstructParameters,
+    ConvexityParameters,
     CrsParameters,
     FabricationParameters,
     MotionParameters,
@@ -203,6 +204,7 @@ class Config(ParameterGroup):
     )
     shape: ShapeParameters = field(default_factory=ShapeParameters)
     reversibility: ReversibilityParameters = field(default_factory=ReversibilityParameters)
+    convexity: ConvexityParameters = field(default_factory=ConvexityParameters)
     trunks: TrunkParameters = field(default_factory=TrunkParameters)
     qcrs: QcrsConfig = field(default_factory=QcrsConfig)
     crs: CrsParameters = field(default_factory=CrsParameters)

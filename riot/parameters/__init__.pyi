@@ -1,5 +1,6 @@
 from . import field as field
 from .construct import ConstructParameters as ConstructParameters
+from .convexity import ConvexityParameters as ConvexityParameters
 from .crs import CrsParameters as CrsParameters
 from .fabrication import FabricationParameters as FabricationParameters
 from .field import Parameter as Parameter

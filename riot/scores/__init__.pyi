@@ -1,3 +1,4 @@
+from . import convexity as convexity
 from . import crs as crs
 from . import index as index
 from . import leaves as leaves
