@@ -44,16 +44,16 @@ class Outcome:
     results: Results
 
 
-def check_writable(place: Location, parameter: str) -> None:
+def check_writable(location: Location, parameter: str) -> None:
     """Make a place and try to write in it.
 
     Raises `StartError` naming the place and the ``parameter`` that chooses another.
     """
     try:
-        open_files(place).probe()
+        open_files(location).probe()
     except OSError as error:
         raise StartError(
-            f"cannot write to {place}: {error.strerror or error}; make room or make it writable, or choose another "
+            f"cannot write to {location}: {error.strerror or error}; make room or make it writable, or choose another "
             f"place with {parameter}=DIR"
         ) from error
 

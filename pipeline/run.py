@@ -53,18 +53,18 @@ class _Ended:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code of the run, of a sweep the worst one."""
     console, complaints = _console(), Console(stderr=True, soft_wrap=True, emoji=False)
-    given = complete(sys.argv[1:] if arguments is None else arguments)
+    options = complete(sys.argv[1:] if arguments is None else arguments)
     config: Config | None = None
     try:
-        if is_plain(given):
-            config = check_command(given)
-            if (config.plan or config.explain) and not is_multirun(given):
+        if is_plain(options):
+            config = check_command(options)
+            if (config.plan or config.explain) and not is_multirun(options):
                 return _show(config, console)
             if not (config.plan or config.explain):
                 pipeline.flow.check_writable(config.outputs, "outputs")  # Hydra writes its log there
-        ended = _with_hydra(given, console, complaints)
-        if config is not None and is_multirun(given) and not (config.plan or config.explain):
-            _tell_sweep(given, config.outputs, ended, console)
+        ended = _with_hydra(options, console, complaints)
+        if config is not None and is_multirun(options) and not (config.plan or config.explain):
+            _tell_sweep(options, config.outputs, ended, console)
     except KeyboardInterrupt:
         return _interrupted(complaints)
     except (RiotError, OSError) as error:
@@ -109,9 +109,9 @@ def _job(composed: DictConfig, point: str, console: Console, complaints: Console
         return _refused(error, complaints)
     except Exception as error:
         logging.getLogger(__name__).exception("a job of the sweep broke off")  # into Hydra's folder, with all of it
-        said = f"{type(error).__name__}: {error}"
-        complaints.print(f"The job broke off: {said}", style="red", highlight=False, markup=False)
-        return _Ended(FAILED, message=said)
+        message = f"{type(error).__name__}: {error}"
+        complaints.print(f"The job broke off: {message}", style="red", highlight=False, markup=False)
+        return _Ended(FAILED, message=message)
 
 
 def _run(config: Config, console: Console, complaints: Console) -> _Ended:
@@ -153,8 +153,8 @@ def _show(config: Config, console: Console) -> int:
 def _refused(error: Exception, complaints: Console) -> _Ended:
     """Say what keeps a run from starting, or ended it once it had started: their exit codes differ."""
     started = not isinstance(error, ConfigError | DatasetError | StartError)
-    said = "Stopped" if started else "Cannot start"
-    complaints.print(f"{said}: {error}", style="red", highlight=False, markup=False)
+    verb = "Stopped" if started else "Cannot start"
+    complaints.print(f"{verb}: {error}", style="red", highlight=False, markup=False)
     return _Ended(FAILED if started else BAD_START, message=str(error))
 
 

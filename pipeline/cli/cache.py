@@ -44,14 +44,14 @@ class Usage:
 def usage(store: Store) -> list[Usage]:
     """Artifacts and bytes by stage."""
     old = stale(store)
-    found: dict[str, list[tuple[int, bool]]] = {}
+    sizes_by_stage: dict[str, list[tuple[int, bool]]] = {}
     for stage, key in store.folders():
         size = sum(store.files.sizes(folder_name(stage, key)).values())
-        found.setdefault(stage, []).append((size, (stage, key) in old))
+        sizes_by_stage.setdefault(stage, []).append((size, (stage, key) in old))
     return [
         Usage(stage, len(sizes), sum(size for size, _ in sizes), sum(old for _, old in sizes),
               sum(size for size, old in sizes if old))
-        for stage, sizes in sorted(found.items())
+        for stage, sizes in sorted(sizes_by_stage.items())
     ]  # fmt: skip
 
 
@@ -60,7 +60,7 @@ def stale(store: Store) -> set[tuple[str, str]]:
 
     No run with this code reads them, whatever its parameters and pictures; nor those whose manifest is damaged.
     """
-    found: set[tuple[str, str]] = set()
+    references: set[tuple[str, str]] = set()
     names: set[str] = set()  # what names them as an input: their keys, and those of single shapes
     makers = {**{stage.name: stage.module for stage in STAGES}, "index": "pipeline.match.index"}
     for stage in dict.fromkeys((*makers, *store.files.names(""))):
@@ -71,11 +71,11 @@ def stale(store: Store) -> set[tuple[str, str]]:
             as_here = parts is not None and (parts.code, parts.versions, parts.schema) == here
             if parts is not None and as_here and names.isdisjoint(parts.inputs):
                 continue
-            found.add((stage, key))
+            references.add((stage, key))
             names.add(key)
             if parts is not None and stage == "ingest":
                 names.update(alone.key() for alone in parts.each_input())
-    return found
+    return references
 
 
 def _parts(store: Store, stage: str, key: str) -> KeyParts | None:
@@ -137,31 +137,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_START
 
 
-def _show_usage(found: Sequence[Usage], console: Console) -> None:
+def _show_usage(usages: Sequence[Usage], console: Console) -> None:
     table = Table()
     table.add_column("stage")
     table.add_column("artifacts", justify="right")
     for title in ("MB", "stale", "stale MB"):
         table.add_column(title, justify="right")
-    sums = (sum(getattr(one, name) for one in found) for name in ("artifacts", "size", "stale", "stale_size"))
-    for one in (*found, Usage("all", *sums)):
-        if one.stage == "all":
+    sums = (sum(getattr(row, name) for row in usages) for name in ("artifacts", "size", "stale", "stale_size"))
+    for row in (*usages, Usage("all", *sums)):
+        if row.stage == "all":
             table.add_section()
-        megabytes = [f"{size / 1e6:,.1f}" for size in (one.size, one.stale_size)]
-        table.add_row(one.stage, f"{one.artifacts:,}", megabytes[0], f"{one.stale:,}", megabytes[1])
+        megabytes = [f"{size / 1e6:,.1f}" for size in (row.size, row.stale_size)]
+        table.add_row(row.stage, f"{row.artifacts:,}", megabytes[0], f"{row.stale:,}", megabytes[1])
     console.print(table)
     console.print("Stale: made by other code or libraries than are here, or from what was.")
 
 
 def _verify(store: Store, console: Console) -> int:
-    found = damaged(store)
-    for stage, key in found:
+    references = damaged(store)
+    for stage, key in references:
         console.print(f"corrupt or not committed: {stage}/{key}")
     total = sum(1 for _ in store.folders())
     console.print(
-        f"{several(total, 'artifact')}, {len(found)} damaged" + ("; the next run makes them again" if found else "")
+        f"{several(total, 'artifact')}, {len(references)} damaged"
+        + ("; the next run makes them again" if references else "")
     )
-    return DAMAGED if found else OK
+    return DAMAGED if references else OK
 
 
 def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, console: Console) -> int:
@@ -194,16 +195,16 @@ def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, con
 
 def _accept(store: Store, run: Path, dry_run: bool, console: Console) -> int:
     try:
-        found = accept(store, _keys_of_run(run / ARTIFACTS), dry_run=dry_run)
+        acceptance = accept(store, _keys_of_run(run / ARTIFACTS), dry_run=dry_run)
     except (KeyError, PayloadError) as error:
-        said = error.args[0] if isinstance(error, KeyError) else error
+        reason = error.args[0] if isinstance(error, KeyError) else error
         raise StartError(
-            f"{store.root}: not all that {run} stands on is whole ({said}); run it again instead"
+            f"{store.root}: not all that {run} stands on is whole ({reason}); run it again instead"
         ) from error
-    for text, count in sorted(found.changes.items()):
+    for text, count in sorted(acceptance.changes.items()):
         console.print(f"  {count} × {text}", markup=False)
     verb = "would be accepted" if dry_run else "accepted"
-    total = sum(found.accepted.values())
+    total = sum(acceptance.accepted.values())
     console.print(f"{several(total, 'artifact')} {verb} as what the code and libraries here would compute")
     return OK
 

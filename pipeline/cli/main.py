@@ -44,25 +44,25 @@ def run_match(chosen: argparse.Namespace) -> int:
     clock.lap("shape read, trunks found")
     index = mined.index(_say)
     clock.lap("index loaded")
-    found = match(mined, index, query, chosen.top)
+    result = match(mined, index, query, chosen.top)
     clock.lap("searched")
-    _remark(mined, query, found)
+    _remark(mined, query, result)
     if chosen.json:
-        print(json.dumps(document(mined, query, found), indent=1, ensure_ascii=False))
-    elif len(found.scores.j):
-        _print_table(mined, query, found)
+        print(json.dumps(document(mined, query, result), indent=1, ensure_ascii=False))
+    elif len(result.scores.j):
+        _print_table(mined, query, result)
     if chosen.timings:
         clock.show()
-    return FOUND if len(found.scores.j) else NOTHING
+    return FOUND if len(result.scores.j) else NOTHING
 
 
-def rows(mined: Mined, found: Match) -> list[dict[str, Any]]:
+def rows(mined: Mined, result: Match) -> list[dict[str, Any]]:
     """A row for each partner, best first: its number, name and class, the score, and the trunks that give it.
 
     Vertex k of ``trunk`` (the query's) corresponds to vertex ``(shift − k) mod n`` of ``partner_trunk``, which the
     run's trunks table tells by that number.
     """
-    scores = found.scores
+    scores = result.scores
     columns = (scores.j, scores.score, scores.n, scores.trunk_i, scores.trunk_j, scores.shift)
     return [
         {
@@ -73,16 +73,16 @@ def rows(mined: Mined, found: Match) -> list[dict[str, Any]]:
             "qcrs": score,
             "n": n,
             "trunk": trunk,
-            "partner_trunk": other,
+            "partner_trunk": partner_trunk,
             "shift": shift,
         }
-        for rank, (shape, score, n, trunk, other, shift) in enumerate(
+        for rank, (shape, score, n, trunk, partner_trunk, shift) in enumerate(
             zip(*(column.tolist() for column in columns), strict=True), start=1
         )
     ]
 
 
-def document(mined: Mined, query: Query, found: Match) -> dict[str, Any]:
+def document(mined: Mined, query: Query, result: Match) -> dict[str, Any]:
     """The result as JSON values; ``trunk_vertices`` are indices into the points of the query's shape."""
     return {
         "format": FORMAT,
@@ -91,15 +91,15 @@ def document(mined: Mined, query: Query, found: Match) -> dict[str, Any]:
             "name": query.name,
             "digest": query.digest,
             "trunks": len(query.trunks),
-            "itself": None if found.itself is None else mined.names[found.itself],
+            "itself": None if result.itself is None else mined.names[result.itself],
         },
         "collection": {"dataset": mined.dataset, "folder": str(mined.folder), "shapes": len(mined.names)},
-        "compared": found.compared,
-        "partners": [{**row, "trunk_vertices": query.trunks.of(row["trunk"]).tolist()} for row in rows(mined, found)],
+        "compared": result.compared,
+        "partners": [{**row, "trunk_vertices": query.trunks.of(row["trunk"]).tolist()} for row in rows(mined, result)],
     }
 
 
-def _print_table(mined: Mined, query: Query, found: Match) -> None:
+def _print_table(mined: Mined, query: Query, result: Match) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=PIPED_WIDTH)
@@ -107,20 +107,20 @@ def _print_table(mined: Mined, query: Query, found: Match) -> None:
     table = Table(title=title, title_justify="left")
     for name in ("rank", "shape", "class", "QCRS", "n", "trunks"):
         table.add_column(name, justify="left" if name in ("shape", "class") else "right")
-    for row in rows(mined, found):
+    for row in rows(mined, result):
         trunks = f"{row['trunk']} ~ {row['partner_trunk']}"
         table.add_row(str(row["rank"]), row["name"], row["class"], f"{row['qcrs']:.4f}", str(row["n"]), trunks)
     console.print(table, markup=False)
 
 
-def _remark(mined: Mined, query: Query, found: Match) -> None:
-    if found.itself is not None:
-        _say(f"the same file is in the collection, as {mined.names[found.itself]}, and is left out")
+def _remark(mined: Mined, query: Query, result: Match) -> None:
+    if result.itself is not None:
+        _say(f"the same file is in the collection, as {mined.names[result.itself]}, and is left out")
     if mined.unknown:
         _say(f"the trunks of {mined.unknown} shapes failed (errors.parquet tells why): they cannot be partners")
     if len(query.trunks) == 0:
         _say(f"{query.name} has no trunk: no convex polygon on its outline that a reversible transform could hinge at")
-    elif len(found.scores.j) == 0:
+    elif len(result.scores.j) == 0:
         _say(f"{query.name} has {len(query.trunks)} trunks, and no shape of the collection has one that fits")
 
 

@@ -61,7 +61,7 @@ def show_progress(console: Console) -> Iterator[Listener]:
 
 def stage_line(event: StageEnded) -> str:
     """A finished stage in one line."""
-    parts = [f"{event.cached} cached" if event.cached else "", f"{event.computed} computed" if event.computed else ""]
-    parts += [f"{event.failed} failed" if event.failed else "", f"{event.blocked} blocked" if event.blocked else ""]
-    said = ", ".join(part for part in parts if part) or "nothing to do"
-    return f"{event.stage:<14} {said} in {event.seconds:.1f} s"
+    counts = [f"{event.cached} cached" if event.cached else "", f"{event.computed} computed" if event.computed else ""]
+    counts += [f"{event.failed} failed" if event.failed else "", f"{event.blocked} blocked" if event.blocked else ""]
+    done = ", ".join(count for count in counts if count) or "nothing to do"
+    return f"{event.stage:<14} {done} in {event.seconds:.1f} s"

@@ -31,8 +31,8 @@ def show_outcome(outcome: Outcome, console: Console) -> None:
     if compared is not None:
         console.print(compared.remark, highlight=False, markup=False, soft_wrap=True)
     if outcome.results.search is not None:
-        said = outcome.results.search.remark(_kept(outcome))
-        console.print(said, highlight=False, markup=False, soft_wrap=True)
+        sentence = outcome.results.search.remark(_kept(outcome))
+        console.print(sentence, highlight=False, markup=False, soft_wrap=True)
     _errors(outcome, console)
     if all(stage.computed + stage.failed == 0 for stage in outcome.results.stages):
         kept = "" if outcome.written else " and the tables are up to date"
@@ -54,14 +54,14 @@ def _rows(outcome: Outcome, name: str) -> list[Row]:
 
 
 def _counts(outcome: Outcome) -> Table:
-    found = counts(outcome.results)
+    run_counts = counts(outcome.results)
     table = Table(title=f"Run of {escape(outcome.results.collection.name)}", title_justify="left")
     names = ["shapes", "rejected_items", "pairs", "selected", "certified", "rejected", "errors"]
-    if found["approximate"]:
+    if run_counts["approximate"]:
         names.insert(names.index("rejected"), "approximate")
     for name in names:
         table.add_column("no shape" if name == "rejected_items" else name, justify="right")
-    table.add_row(*(f"{found[name]:,}" for name in names))
+    table.add_row(*(f"{run_counts[name]:,}" for name in names))
     return table
 
 
@@ -88,8 +88,8 @@ def _best(outcome: Outcome) -> Table:
         )
     rejected = Counter(row["reason"] for row in rows if row["status"] == "rejected")
     if rejected:
-        said = ", ".join(f"{count} × {reason}" for reason, count in rejected.most_common())
-        table.caption = f"rejected: {escape(said)}"
+        reasons = ", ".join(f"{count} × {reason}" for reason, count in rejected.most_common())
+        table.caption = f"rejected: {escape(reasons)}"
     return table
 
 

@@ -98,18 +98,18 @@ class Collection:
 def collect(config: DatasetConfig) -> Collection:
     """List and hash the items of a collection; raises `DatasetError` if there is none."""
     if config.kind == "sample":
-        found = Collection(config.name, tuple(Item(*definition) for definition in sample.definitions()))
+        collection = Collection(config.name, tuple(Item(*definition) for definition in sample.definitions()))
     elif config.kind == "folder":
         if config.root is None:
             raise DatasetError("dataset.root: which folder? Give dataset.root=DIR")
-        found = _listed(config.name, Path(config.root), "give dataset.root=DIR, a folder with pictures")
+        collection = _listed(config.name, Path(config.root), "give dataset.root=DIR, a folder with pictures")
     elif config.kind == "mpeg7":
-        found = _mpeg7(config.name, _root(config.root, "mpeg7"))
+        collection = _mpeg7(config.name, _root(config.root, "mpeg7"))
     elif config.kind == "animals":
-        found = _animals(config.name, _root(config.root, "animals"))
+        collection = _animals(config.name, _root(config.root, "animals"))
     else:
-        found = _paper(config)
-    return _limited(found, config.limit)
+        collection = _paper(config)
+    return _limited(collection, config.limit)
 
 
 def default_root(kind: str) -> Path:
@@ -124,20 +124,20 @@ def class_of(name: str) -> str:
 
 
 def _class_of_stem(stem: str) -> str:
-    found = re.fullmatch(r"(.+)[-_][0-9]+", stem)
-    return found[1] if found else ""
+    match = re.fullmatch(r"(.+)[-_][0-9]+", stem)
+    return match[1] if match else ""
 
 
-def _root(given: str | None, kind: str) -> Path:
-    return Path(given) if given is not None else default_root(kind)
+def _root(folder: str | None, kind: str) -> Path:
+    return Path(folder) if folder is not None else default_root(kind)
 
 
 def _mpeg7(name: str, root: Path, option: str = "root") -> Collection:
     get = f"`python -m pipeline.fetch mpeg7` gets it, or give dataset.{option}=DIR"
-    found = _listed(name, root, get)
+    collection = _listed(name, root, get)
     # The archive keeps all pictures in one folder, whose name is no class.
-    items = [replace(item, cls=_class_of_stem(item.name.rpartition("/")[2])) for item in found.items]
-    return replace(found, items=tuple(items))
+    items = [replace(item, cls=_class_of_stem(item.name.rpartition("/")[2])) for item in collection.items]
+    return replace(collection, items=tuple(items))
 
 
 def _animals(name: str, root: Path, option: str = "root") -> Collection:
@@ -157,15 +157,19 @@ def _paper(config: DatasetConfig) -> Collection:
     parent = Path(config.root) if config.root is not None else default_root("paper").parent
     mpeg7 = Path(config.mpeg7) if config.mpeg7 is not None else parent / "mpeg7"
     animals = Path(config.animals) if config.animals is not None else parent / "animals"
-    parts = [("mpeg7", _mpeg7("mpeg7", mpeg7, "mpeg7")), ("animals", _animals("animals", animals, "animals"))]
+    collections = [("mpeg7", _mpeg7("mpeg7", mpeg7, "mpeg7")), ("animals", _animals("animals", animals, "animals"))]
     items = [
         replace(item, name=f"{prefix}/{item.name}", cls=item.cls.casefold())
-        for prefix, part in parts
-        for item in part.items
+        for prefix, collection in collections
+        for item in collection.items
     ]
-    rejected = [replace(row, name=f"{prefix}/{row.name}") for prefix, part in parts for row in part.rejected]
+    rejected = [
+        replace(row, name=f"{prefix}/{row.name}") for prefix, collection in collections for row in collection.rejected
+    ]
     kept, duplicates = _first_of_each(sorted(items, key=lambda item: item.name))
-    return Collection(config.name, kept, (*rejected, *duplicates), sum(part.ignored for _, part in parts))
+    return Collection(
+        config.name, kept, (*rejected, *duplicates), sum(collection.ignored for _, collection in collections)
+    )
 
 
 def _limited(collection: Collection, limit: int | None) -> Collection:

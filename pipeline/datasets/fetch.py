@@ -122,9 +122,9 @@ def check(folder: Path, entries: Iterable[Entry]) -> list[str]:
         path = files.get(entry.name.casefold())
         if path is None:
             faults.append(f"{entry.name} is missing")
-        elif (found := _entry_or_none(path, entry.name)) is None:
+        elif (actual := _entry_or_none(path, entry.name)) is None:
             faults.append(f"{entry.name} is no picture")
-        elif found != entry:
+        elif actual != entry:
             faults.append(f"{entry.name} is altered")
     return faults
 
@@ -271,8 +271,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         target = chosen.to or default_root("mpeg7")
         new = fetch(target, chosen.urls or MPEG7_URLS)
         print(f"{target}: {'fetched and checked' if new else 'already there and checked'}")
-        given = "" if chosen.to is None else f" dataset.root={os.fspath(target)}"
-        print(f"Now: python -m pipeline.run +dataset=mpeg7{given}")
+        argument = "" if chosen.to is None else f" dataset.root={os.fspath(target)}"
+        print(f"Now: python -m pipeline.run +dataset=mpeg7{argument}")
     except (OSError, ValueError) as error:
         print(f"pipeline.fetch: {error}", file=sys.stderr)
         return 2

@@ -119,10 +119,10 @@ def _digest(content: Pair | Glyph) -> str:
 def _font() -> Path:
     # Named in full: looking fonts up by family would depend on what else is installed.
     # Where matplotlib's package lies is asked, and the package is not loaded: that takes half a second.
-    found = find_spec("matplotlib")
-    if found is None or found.origin is None:
+    matplotlib = find_spec("matplotlib")
+    if matplotlib is None or matplotlib.origin is None:
         raise SilhouetteError("unreadable", "the sample needs matplotlib, whose font it draws; install it")
-    return Path(found.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf"
+    return Path(matplotlib.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf"
 
 
 @cache

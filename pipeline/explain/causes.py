@@ -44,14 +44,16 @@ class Causes:
 
     def _text(self, item: WorkItem) -> str:
         own = self._own(item)
-        said = {text for _, text in own}
+        own_texts = {text for _, text in own}
         inherited: dict[str, Cause] = {}  # by what it is: what changed several inputs is told of the first
-        for cause in (cause for key in item.parts.inputs for cause in self._of.get(key, ()) if cause[1] not in said):
+        for cause in (
+            cause for key in item.parts.inputs for cause in self._of.get(key, ()) if cause[1] not in own_texts
+        ):
             inherited.setdefault(cause[1], cause)
         causes = (*own, *inherited.values()) or self._inputs(item)
         self._of[item.key] = causes
         if item.stage == "ingest":
-            self._of |= {one.key(): causes for one in item.parts.each_input()}
+            self._of |= {alone.key(): causes for alone in item.parts.each_input()}
         words = [text if stage == item.stage else f"after {stage}: {text}" for stage, text in causes]
         return "; ".join(_few(words))
 
@@ -63,19 +65,19 @@ class Causes:
             self._known[item.stage] = gather(entry.parts for entry in self._store.entries(item.stage))
         if not self._known[item.stage]:
             return ((item.stage, NOTHING_STORED),)
-        found = nearest(item.parts.to_json(), self._known[item.stage])
-        return tuple((item.stage, text) for text in found.changes(item.parts.to_json()))
+        stored = nearest(item.parts.to_json(), self._known[item.stage])
+        return tuple((item.stage, text) for text in stored.changes(item.parts.to_json()))
 
     def _inputs(self, item: WorkItem) -> tuple[Cause, ...]:
         """What is other in the inputs, if nothing that made them is: all of them are in the store."""
-        found = nearest(item.parts.to_json(), self._known[item.stage])
+        stored = nearest(item.parts.to_json(), self._known[item.stage])
         if item.stage == "ingest":
-            return (("ingest", self._pictures.changed(item, found)),)
-        if not found.inputs.issuperset(item.parts.inputs):
+            return (("ingest", self._pictures.changed(item, stored)),)
+        if not stored.inputs.issuperset(item.parts.inputs):
             return ((item.stage, NOT_DONE),)
         if self._pictures.removed:
             return (("ingest", self._pictures.removed),)
-        return ((item.stage, found.new_inputs(item.parts.inputs)),)
+        return ((item.stage, stored.new_inputs(item.parts.inputs)),)
 
 
 @dataclass(frozen=True)
@@ -117,8 +119,8 @@ class Pictures:
         """Which pictures make a batch another than the ``stored`` ones, which differ from it in nothing else."""
         new = [item for item in batch.spec if item.digest not in stored.inputs]
         # A batch of known pictures is another one because of its neighbours.
-        beside = [item for item in self.items if item.digest not in stored.inputs]
-        around = "; ".join(filter(None, (self.removed, self.told(beside))))
+        others = [item for item in self.items if item.digest not in stored.inputs]
+        around = "; ".join(filter(None, (self.removed, self.told(others))))
         return self.told(new) or around or "pictures in other batches, each known"
 
 
@@ -154,8 +156,8 @@ def explain(parts: Mapping[str, Any], known: Sequence[Known]) -> Changes:
     """Which components of a key differ from the nearest of the ``known`` ones, with old and new values."""
     if not known:
         return (NOTHING_STORED,)
-    found = nearest(parts, known)
-    return tuple(found.changes(parts)) or (found.new_inputs(parts["inputs"]),)
+    stored = nearest(parts, known)
+    return tuple(stored.changes(parts)) or (stored.new_inputs(parts["inputs"]),)
 
 
 def nearest(parts: Mapping[str, Any], known: Sequence[Known]) -> Known:
@@ -172,10 +174,10 @@ def _shared(parts: Mapping[str, Any]) -> dict[str, Any]:
 
 def _differences(name: str, old: Any, new: Any) -> list[str]:
     if isinstance(old, Mapping) and isinstance(new, Mapping):
-        found = []
-        for part in sorted(old.keys() | new.keys()):
-            found += _differences(f"{name}.{part}".lstrip("."), old.get(part), new.get(part))
-        return found
+        differences = []
+        for key in sorted(old.keys() | new.keys()):
+            differences += _differences(f"{name}.{key}".lstrip("."), old.get(key), new.get(key))
+        return differences
     if old == new:
         return []
     if name.startswith("code."):

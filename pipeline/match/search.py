@@ -64,9 +64,9 @@ class Mined:
         try:
             return load_index(self.store, self.trunks, note)
         except (KeyError, PayloadError, OSError) as error:
-            said = error.args[0] if isinstance(error, KeyError) else error
+            reason = error.args[0] if isinstance(error, KeyError) else error
             raise StartError(
-                f"{self.store.root}: trunks of {self.folder} are gone or altered ({said}); {AGAIN}"
+                f"{self.store.root}: trunks of {self.folder} are gone or altered ({reason}); {AGAIN}"
             ) from error
 
 
@@ -148,11 +148,11 @@ def trunks_as_mined(mined: Mined, shape: Shape) -> Trunks:
 def match(mined: Mined, index: TrunkIndex, query: Query, count: int) -> Match:
     """The ``count`` best partners of a shape by QCRS, exact; a shape of the same file is left out."""
     itself = mined.digests.index(query.digest) if query.digest in mined.digests else None
-    place = np.flatnonzero(mined.numbers == (-2 if itself is None else itself))
-    own = [int(place[0])] if len(place) else [-1]
-    found = best_partners(index, query.stacked, count, mined.config.qcrs.sigmas, itself=own)
-    columns = {**vars(found.scores), "j": mined.numbers[found.scores.j].astype(np.int32)}
-    return Match(BlockScores(**columns), itself, found.compared)
+    own_rows = np.flatnonzero(mined.numbers == (-2 if itself is None else itself))
+    excluded = [int(own_rows[0])] if len(own_rows) else [-1]
+    search = best_partners(index, query.stacked, count, mined.config.qcrs.sigmas, itself=excluded)
+    columns = {**vars(search.scores), "j": mined.numbers[search.scores.j].astype(np.int32)}
+    return Match(BlockScores(**columns), itself, search.compared)
 
 
 def _record(folder: Path) -> Mapping[str, Any]:
@@ -199,9 +199,9 @@ def _artifact_keys(folder: Path, stage: str) -> list[str]:
         raise StartError(f"{path}: gone or damaged; {AGAIN}") from error
 
 
-def _entry(store: Store, folder: Path, of: Recipe, key: str) -> Entry:
+def _entry(store: Store, folder: Path, recipe: Recipe, key: str) -> Entry:
     """The manifest of a batch; its key has to be what the code here would give it."""
-    stage = of.stage
+    stage = recipe.stage
     try:
         entry = store.entry(stage, key)
     except (PayloadError, OSError) as error:
@@ -210,7 +210,7 @@ def _entry(store: Store, folder: Path, of: Recipe, key: str) -> Entry:
         raise StartError(
             f"{store.root}: {stage}/{key[:12]}, of {folder}, is gone; give --store DIR if it is another; else {AGAIN}"
         )
-    parts = of.parts(entry.parts["inputs"])
+    parts = recipe.parts(entry.parts["inputs"])
     if parts.key() != key:
         changes = "; ".join(explain(parts.to_json(), gather([entry.parts]))[:3])
         raise StartError(

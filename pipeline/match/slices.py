@@ -49,37 +49,37 @@ def shortlists(mined: Mined, slices: Sequence[Shape], keep: int) -> tuple[Shortl
 
     Raises `StartError` if the run's store is gone or altered.
     """
-    index = mined.index(lambda said: print(f"riot: {said}", file=sys.stderr))
+    index = mined.index(lambda message: print(f"riot: {message}", file=sys.stderr))
     queries = stack([trunks_as_mined(mined, shape) for shape in slices])
     scores = best_partners(index, queries, keep, mined.config.qcrs.sigmas).scores
     numbers = mined.numbers[scores.j].tolist()
     shapes = read_shapes(mined, set(numbers))
-    found: list[list[Candidate]] = [[] for _ in slices]
+    candidates: list[list[Candidate]] = [[] for _ in slices]
     for i, number, score in zip(scores.i.tolist(), numbers, scores.score.tolist(), strict=True):
-        found[i].append(Candidate(shapes[number], score))
-    return tuple(tuple(each) for each in found)
+        candidates[i].append(Candidate(shapes[number], score))
+    return tuple(tuple(shortlist) for shortlist in candidates)
 
 
 def read_shapes(mined: Mined, numbers: set[int]) -> dict[int, Shape]:
     """The shapes of a run with these numbers, named as its tables do; StartError if one is not in the store."""
-    found: dict[int, Shape] = {}
+    shapes: dict[int, Shape] = {}
     first = 0
     try:
         for key in mined.trunks:
             batch = mined.store.get("ingest", _inputs(mined, "trunks", key)[0])
             here = mined.numbers[first : first + count_shapes(batch)].tolist()
             first += len(here)
-            found |= {
-                number: expect_shape(batch, place, mined.names[number])
-                for place, number in enumerate(here)
+            shapes |= {
+                number: expect_shape(batch, index, mined.names[number])
+                for index, number in enumerate(here)
                 if number in numbers
             }
     except (LookupError, PayloadError, OSError) as error:
-        said = error.args[0] if isinstance(error, LookupError) else error
+        reason = error.args[0] if isinstance(error, LookupError) else error
         raise StartError(
-            f"{mined.store.root}: shapes of {mined.folder} are gone or altered ({said}); {AGAIN}"
+            f"{mined.store.root}: shapes of {mined.folder} are gone or altered ({reason}); {AGAIN}"
         ) from error
-    return found
+    return shapes
 
 
 def _inputs(mined: Mined, stage: str, key: str) -> Sequence[str]:

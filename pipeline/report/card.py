@@ -54,16 +54,16 @@ class Card:
     halves: tuple[Markup, ...]
 
 
-def card(row: TransformRow, transform: Transform, skins: PieceImages = NO_IMAGES) -> Card:
+def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGES) -> Card:
     """The card of a row of `transforms` and its ``.riot`` file, with the skins of its pieces."""
     sketched = sketch(transform)
-    pieces, prefix = sketched.pieces, naming(sketched.pieces, skins)
+    pieces, prefix = sketched.pieces, naming(sketched.pieces, images)
     sides = (("p", row.name_p), ("q", row.name_q))
     marks = {side: [view(sketched, side) for view, _ in VIEWS] for side, _ in sides}
     frames = _frames(sketched, marks)
 
     def drawn(title: str, box: Box, pens: float, shown: list[Mark], kind: str = "") -> Markup:
-        scene = Scene(title, box, (box[2] - box[0]) / pens, (), tuple(shown), skins)
+        scene = Scene(title, box, (box[2] - box[0]) / pens, (), tuple(shown), images)
         return Markup(fragment(scene, prefix, kind=kind))
 
     panels = [
@@ -75,14 +75,14 @@ def card(row: TransformRow, transform: Transform, skins: PieceImages = NO_IMAGES
     motion = None if row.approximate else motion_of(transform)
     moves = []
     if motion is not None:
-        swing = swing_of(transform, prefix, skins)
+        swing = swing_of(transform, prefix, images)
         moves.append(Picture(Markup(fragment(swing.scene, prefix, swing.body, "swing")), f"the chain {motion.words}"))
     chain = chain_marks(sketched, 0 if motion is None else motion.open_hinge)
     title = f"The chain of {len(sketched)} pieces laid straight: {row.name_p} below, {row.name_q} above"
     box = around([extent(chain, pieces)], MARGIN)
     moves.append(Picture(drawn(title, box, CHAIN_PENS, chain, "chain"), "the chain, straight"))
     halves = [drawn(name, frames[side], THUMB_PENS, _pieces(sketched, side)) for side, name in sides]
-    return Card(row, Markup(definitions(pieces, prefix, skins)), tuple(panels), tuple(moves), tuple(halves))
+    return Card(row, Markup(definitions(pieces, prefix, images)), tuple(panels), tuple(moves), tuple(halves))
 
 
 def _pieces(transform: Transform, side: str) -> list[Mark]:

@@ -79,8 +79,8 @@ def read_comparison(transforms: Iterable[Row], timings: Iterable[Row]) -> Compar
     return Comparison(pairs, times.get("construct", math.nan), times.get("paper", math.nan))
 
 
-def _medians(made: Iterable[Figures]) -> Figures:
-    return Figures(*(median(column) for column in zip(*map(astuple, made), strict=True)))
+def _medians(figures: Iterable[Figures]) -> Figures:
+    return Figures(*(median(column) for column in zip(*map(astuple, figures), strict=True)))
 
 
 def _compared(row: Row) -> Compared:
@@ -91,5 +91,5 @@ def _compared(row: Row) -> Compared:
 
 
 def _seconds(row: Row) -> float:
-    made, seconds = row["cached"] + row["computed"], row.get("stored_seconds")
-    return float(seconds) / made if made and seconds is not None else math.nan
+    items, seconds = row["cached"] + row["computed"], row.get("stored_seconds")
+    return float(seconds) / items if items and seconds is not None else math.nan

@@ -20,26 +20,26 @@ TOLERANCE = 4e-3
 _MARGIN = 0.03
 
 
-def thumb(transform: Transform, skins: PieceImages = NO_IMAGES) -> str:
+def thumb(transform: Transform, images: PieceImages = NO_IMAGES) -> str:
     """The two dissections side by side at one scale, as a whole SVG file.
 
     Pieces are in their colours, or show their skins; the same transform gives the same text.
     """
     drawn = sketch(transform, TOLERANCE)
     halves = [[mark for mark in dissection_marks(drawn, side) if isinstance(mark, PlacedPiece)] for side in "pq"]
-    boxes = [extent(parts, drawn.pieces) for parts in halves]
+    boxes = [extent(placed, drawn.pieces) for placed in halves]
     half = max(max((x1 - x0) / 2, (y1 - y0) / 2) for x0, y0, x1, y1 in boxes) + _MARGIN
     marks = tuple(
         mark
-        for centre, parts, (x0, y0, x1, y1) in zip((-half, half), halves, boxes, strict=True)
-        for mark in moved(parts, centre - (x0 + x1) / 2, -(y0 + y1) / 2)
+        for centre, placed, (x0, y0, x1, y1) in zip((-half, half), halves, boxes, strict=True)
+        for mark in moved(placed, centre - (x0 + x1) / 2, -(y0 + y1) / 2)
     )
     u = math.ceil(half * UNITS)
-    prefix = naming(drawn.pieces, skins)
-    scene = Scene("", (-2 * half, -half, 2 * half, half), 4 * half / WIDTH, drawn.pieces, marks, skins)
+    prefix = naming(drawn.pieces, images)
+    scene = Scene("", (-2 * half, -half, 2 * half, half), 4 * half / WIDTH, drawn.pieces, marks, images)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{-2 * u} {-u} {4 * u} {2 * u}" width="{WIDTH}" '
-        f'height="{HEIGHT}"><style>{_style(len(drawn))}</style>{definitions(drawn.pieces, prefix, skins)}'
+        f'height="{HEIGHT}"><style>{_style(len(drawn))}</style>{definitions(drawn.pieces, prefix, images)}'
         f"{painted(scene, prefix)}</svg>\n"
     )
 

@@ -50,7 +50,7 @@ def write_report(run_dir: Path) -> Path:
     for before, now, after in _between(_readable(run_dir, run.made, lost)):
         row = now.row
         shown = card(row, now.transform, now.skins)
-        neighbours = [None if other is None else other.row for other in (before, after)]
+        neighbours = [None if neighbour is None else neighbour.row for neighbour in (before, after)]
         _write(temporary / row.page, transform_page(shown, now.transform, puzzles.get(row.rank), *neighbours))
         _write(temporary / row.thumb, thumb(now.transform, now.skins))
         rows.append(row)

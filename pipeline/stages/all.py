@@ -16,19 +16,19 @@ from pipeline.stages.stage import Stage
 from pipeline.store.artifact import canonical_json
 
 
-def in_order(found: Mapping[str, Stage]) -> tuple[Stage, ...]:
+def in_order(stages_by_name: Mapping[str, Stage]) -> tuple[Stage, ...]:
     """Stages by what they come after; of those that could be next, the first by name.
 
     Raises KeyError for a stage that comes after one that does not exist, CycleError if the order has no beginning.
     """
-    sorter = TopologicalSorter({name: stage.after for name, stage in found.items()})
+    sorter = TopologicalSorter({name: stage.after for name, stage in stages_by_name.items()})
     sorter.prepare()
     ready: list[str] = []
     ordered: list[Stage] = []
     while sorter.is_active():
         ready = sorted([*ready, *sorter.get_ready()])
         name = ready.pop(0)
-        ordered.append(found[name])
+        ordered.append(stages_by_name[name])
         sorter.done(name)
     return tuple(ordered)
 
@@ -36,8 +36,8 @@ def in_order(found: Mapping[str, Stage]) -> tuple[Stage, ...]:
 def _stages() -> dict[str, Stage]:
     names = sorted(module.name for module in pkgutil.iter_modules(stages.__path__))
     modules = [importlib.import_module(f"pipeline.stages.{name}") for name in names if name != "all"]
-    found = [vars(module)["STAGE"] for module in modules if "STAGE" in vars(module)]
-    return {stage.name: stage for stage in found}
+    defined = [vars(module)["STAGE"] for module in modules if "STAGE" in vars(module)]
+    return {stage.name: stage for stage in defined}
 
 
 BY_NAME: Mapping[str, Stage] = _stages()

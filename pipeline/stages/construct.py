@@ -59,7 +59,11 @@ def _measured(result: Transform, method: str) -> Artifact:
         "bound_p": float(result.bound_p),
         "bound_q": float(result.bound_q),
         **_fidelity(result, deformation),
-        **{f"{term}_{side}": float(getattr(of, term)) for side, of in sides.items() for term in RESIDUALS},
+        **{
+            f"{term}_{side}": float(getattr(certified_side, term))
+            for side, certified_side in sides.items()
+            for term in RESIDUALS
+        },
     }
     if certificate.passed:
         status = {"status": "certified", "reason": "", "message": ""}

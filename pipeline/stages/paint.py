@@ -34,20 +34,20 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures) -
 
     def paint() -> Artifact:
         textures, refused = read_textures(puzzle, spec)
-        skins = draw.texture.sample.piece_images(puzzle, textures)
-        document = {"sides": sorted(skins), "refused": [asdict(refusal) for refusal in refused]}
-        return Artifact(pack_skins(skins), document)
+        images = draw.texture.sample.piece_images(puzzle, textures)
+        document = {"sides": sorted(images), "refused": [asdict(refusal) for refusal in refused]}
+        return Artifact(pack_skins(images), document)
 
     painted = attempt(0, paint, errors)
     return Artifact({}, {"errors": errors}) if painted is None else painted
 
 
-def pack_skins(skins: PieceImages) -> dict[str, AnyArray]:
+def pack_skins(images: PieceImages) -> dict[str, AnyArray]:
     """Images as arrays: of side s and piece i ``s-i`` (rows, columns, 3) uint8 and ``s-i-box`` (4,) float64."""
     arrays: dict[str, AnyArray] = {}
-    for side, pieces in skins.items():
-        for i, skin in enumerate(pieces):
-            arrays[f"{side}-{i}"], arrays[f"{side}-{i}-box"] = skin.pixels, np.array(skin.box)
+    for side, pieces in images.items():
+        for i, image in enumerate(pieces):
+            arrays[f"{side}-{i}"], arrays[f"{side}-{i}-box"] = image.pixels, np.array(image.box)
     return arrays
 
 

@@ -31,15 +31,15 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
     Of every shape the ``k`` best over all shards are kept; among equals the earlier partner. ``compared`` is the sum.
     """
     (count,) = parameters
-    parts: dict[str, list[AnyArray]] = {name: [np.empty(0, np.int64)] for name in COLUMNS}
+    chunks: dict[str, list[AnyArray]] = {name: [np.empty(0, np.int64)] for name in COLUMNS}
     compared = 0
     for (batch, shard), partners in zip(spec.starts, inputs, strict=True):
         compared += int(partners.document["compared"])
         for name in COLUMNS:
-            parts[name].append(partners.arrays[name])
-        parts["i"][-1] = parts["i"][-1].astype(np.int64) + batch
-        parts["j"][-1] = parts["j"][-1].astype(np.int64) + shard
-    rows = {name: np.concatenate(part) for name, part in parts.items()}
+            chunks[name].append(partners.arrays[name])
+        chunks["i"][-1] = chunks["i"][-1].astype(np.int64) + batch
+        chunks["j"][-1] = chunks["j"][-1].astype(np.int64) + shard
+    rows = {name: np.concatenate(chunk) for name, chunk in chunks.items()}
     order = np.lexsort((rows["j"], -rows["score"], rows["i"]))
     shape = rows["i"][order]
     order = order[np.arange(len(order)) - np.searchsorted(shape, shape) < count]
@@ -53,12 +53,12 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
 
 def items(progress: Progress) -> list[WorkItem]:
     """One work item, which collects what the searches found that are done."""
-    recipe, found = progress.recipes["pairs"], progress.finished("partners")
+    recipe, searches_done = progress.recipes["pairs"], progress.finished("partners")
     shards = progress.work["shards"]
-    blocks = [item.block for item in found if item.block is not None]
+    blocks = [item.block for item in searches_done if item.block is not None]
     spec = Starts(tuple((progress.batches[b].start, shards[s].members[0]) for b, s in blocks))
-    parts = recipe.parts([item.key for item in found], digest_text(repr(spec)))
-    return [recipe.item(parts, [item.reference for item in found], spec=spec)]
+    parts = recipe.parts([item.key for item in searches_done], digest_text(repr(spec)))
+    return [recipe.item(parts, [item.reference for item in searches_done], spec=spec)]
 
 
 STAGE = Stage(

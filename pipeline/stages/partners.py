@@ -63,13 +63,13 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: ShardPosition | 
     return Artifact({name: np.asarray(getattr(best, name)) for name in COLUMNS}, {"compared": compared})
 
 
-def join(parts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
+def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
     """What `run` makes of a batch, from all its parts, in any order; those that were ``lost`` have no rows."""
     empty = {name: np.empty(0, TYPES.get(name, np.int32)) for name in COLUMNS}
-    pieces = [empty, *(part.arrays for part in parts)]
+    pieces = [empty, *(artifact.arrays for artifact in artifacts)]
     rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in COLUMNS}
     order = np.argsort(rows["i"], kind="stable")  # all of one i are in one part, the best first
-    compared = sum(int(part.document["compared"]) for part in parts)
+    compared = sum(int(artifact.document["compared"]) for artifact in artifacts)
     return Artifact({name: column[order] for name, column in rows.items()}, {"compared": compared})
 
 
@@ -77,10 +77,10 @@ def find(
     query: TrunkStack, index: TrunkIndex, count: int, settings: QcrsParameters, position: ShardPosition, rows: range
 ) -> tuple[BlockScores, int]:
     """Rows of shapes of the query as `run` says, and the number of pairs compared."""
-    own = [position.first + i if position.first >= 0 else -1 for i in range(len(query))]
+    own_indices = [position.first + i if position.first >= 0 else -1 for i in range(len(query))]
     # A copy, whose forest goes with it: as long as the index is kept there is no room for both.
     whole = replace(index.trunks)
-    partners = [_nearest(query.shape(i), index, whole, count, settings, own[i]) for i in rows]
+    partners = [_nearest(query.shape(i), index, whole, count, settings, own_indices[i]) for i in rows]
     i = np.repeat(rows, [len(nearest.scores.j) for nearest in partners]).astype(np.int32)
     columns = {
         name: np.concatenate([np.empty(0, np.int32), *(getattr(nearest.scores, name) for nearest in partners)])
@@ -88,7 +88,7 @@ def find(
     }
     columns["i"] = i
     in_shard = position.first >= 0
-    earlier = columns["j"] < np.array([*own, 0])[i] if in_shard else np.full(len(i), position.after)
+    earlier = columns["j"] < np.array([*own_indices, 0])[i] if in_shard else np.full(len(i), position.after)
     _turn(query, index, columns, np.flatnonzero(earlier), settings)
     order = np.lexsort((columns["j"], -columns["score"], i))
     rank = np.arange(len(i)) - np.searchsorted(i, i)  # i ascends, before and after
@@ -98,24 +98,24 @@ def find(
 
 
 def _nearest(
-    shape: TrunkStack, index: TrunkIndex, whole: TrunkStack, count: int, settings: QcrsParameters, own: int
+    shape: TrunkStack, index: TrunkIndex, whole: TrunkStack, count: int, settings: QcrsParameters, own_index: int
 ) -> Partners:
     """The best partners of one shape and as many more as it takes to be sure of them in either direction."""
     asked = count + 1
     while asked < len(index) and len(shape.areas):
-        nearest = scores.index.best_partners(index, shape, asked, settings, FAIR, [own])
+        nearest = scores.index.best_partners(index, shape, asked, settings, FAIR, [own_index])
         score = nearest.scores.score
         if len(score) < asked:
             break
         if score[-1] < score[count - 1] * (1 - ROUNDING):
             return nearest
         asked *= 2
-    return _all(shape, whole, settings, own)
+    return _all(shape, whole, settings, own_index)
 
 
-def _all(shape: TrunkStack, whole: TrunkStack, settings: QcrsParameters, own: int) -> Partners:
+def _all(shape: TrunkStack, whole: TrunkStack, settings: QcrsParameters, own_index: int) -> Partners:
     """All partners of one shape, pair by pair: what is sooner when there is no near one to tell the far ones by."""
-    others = np.flatnonzero((np.arange(len(whole)) != own) & (len(shape.areas) > 0))
+    others = np.flatnonzero((np.arange(len(whole)) != own_index) & (len(shape.areas) > 0))
     pairs = np.column_stack([np.zeros_like(others), others])
     block = scores.qcrs.score_pairs(shape, whole, pairs, settings)
     return scores.index.Partners(block, int((block.n > 0).sum()))

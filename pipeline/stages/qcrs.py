@@ -39,9 +39,9 @@ def run(inputs: Sequence[TrunkStack], parameters: Sequence[Any], spec: bool | Su
     return _rows(scores.qcrs.score_block(stacks[0], stacks[-1], settings, same=spec))
 
 
-def join(parts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
+def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
     """What `run` makes of a block, from all its parts but those that were ``lost``: for their pairs see `unknown`."""
-    pieces = [*(part.arrays for part in parts), *(unknown(list(block.pairs())).arrays for block in lost)]
+    pieces = [*(artifact.arrays for artifact in artifacts), *(unknown(list(block.pairs())).arrays for block in lost)]
     rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in COLUMNS}
     order = np.lexsort((rows["j"], rows["i"]))
     return Artifact({name: column[order] for name, column in rows.items()})

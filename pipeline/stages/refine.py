@@ -52,7 +52,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
 
 
 def _number(pair: TrunkPair, pairs: Sequence[TrunkPair]) -> int:
-    return next(number for number, other in enumerate(pairs) if other is pair)
+    return next(number for number, candidate in enumerate(pairs) if candidate is pair)
 
 
 def bound(artifact: Artifact) -> float:

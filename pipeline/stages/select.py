@@ -81,16 +81,16 @@ def select_global(blocks: Callable[[], Iterator[Block]], classes: Sequence[str],
     size = max(FIRST_POOL, limits.top)
     while True:
         pool, cut = _pool(blocks(), lambda i, j: label[i] != label[j], size)
-        places = greedy(pool[0], pool[1], label, limits)
-        if len(places) == limits.top or not cut:
-            return _rows(pool, places)
+        rows = greedy(pool[0], pool[1], label, limits)
+        if len(rows) == limits.top or not cut:
+            return _rows(pool, rows)
         size *= GROWTH
 
 
-def _rows(pool: Block, places: slice | list[int]) -> Chosen:
+def _rows(pool: Block, rows: slice | list[int]) -> Chosen:
     i, j, score = pool
-    at = np.arange(len(score))[places] if isinstance(places, slice) else np.array(places, dtype=np.int64)
-    return Chosen(np.column_stack([i[at], j[at]]), score[at])
+    index = np.arange(len(score))[rows] if isinstance(rows, slice) else np.array(rows, dtype=np.int64)
+    return Chosen(np.column_stack([i[index], j[index]]), score[index])
 
 
 def labels(classes: Sequence[str]) -> IntArray:
@@ -101,11 +101,11 @@ def labels(classes: Sequence[str]) -> IntArray:
 
 
 def greedy(i: IntArray, j: IntArray, label: IntArray, limits: Limits) -> list[int]:
-    """Places of the pairs taken, of pairs (p,) with the best first."""
+    """Take pairs (p,), the best first, as long as the limits allow; returns the rows of those taken."""
     shapes: Counter[int] = Counter()
     class_pairs: Counter[tuple[int, int]] = Counter()
     chosen: list[int] = []
-    for place, (first, second) in enumerate(zip(i.tolist(), j.tolist(), strict=True)):
+    for row, (first, second) in enumerate(zip(i.tolist(), j.tolist(), strict=True)):
         low, high = sorted((int(label[first]), int(label[second])))
         if class_pairs[low, high] >= limits.per_class_pair:
             continue
@@ -114,7 +114,7 @@ def greedy(i: IntArray, j: IntArray, label: IntArray, limits: Limits) -> list[in
         class_pairs[low, high] += 1
         shapes[first] += 1
         shapes[second] += 1
-        chosen.append(place)
+        chosen.append(row)
         if len(chosen) == limits.top:
             break
     return chosen

@@ -78,19 +78,21 @@ def expect_shape(artifact: Artifact, index: int, name: str = "") -> Shape:
     return shape
 
 
-def join_single(parts: Sequence[Artifact]) -> Artifact:
+def join_single(artifacts: Sequence[Artifact]) -> Artifact:
     """Artifacts of a stage of shapes, each of one shape alone → what the stage makes of all of them as one batch.
 
     Arrays whose names end in ``offsets`` are running sums from 0, here as in every stage of shapes; others are
     concatenated.
     """
     arrays: dict[str, AnyArray] = {}
-    for name in parts[0].arrays:
-        pieces = [part.arrays[name] for part in parts]
+    for name in artifacts[0].arrays:
+        pieces = [artifact.arrays[name] for artifact in artifacts]
         if name.endswith("offsets"):
             sizes = np.concatenate([np.zeros(1, np.int64), *(np.diff(offsets) for offsets in pieces)])
             arrays[name] = np.cumsum(sizes, dtype=pieces[0].dtype)
         else:
             arrays[name] = np.concatenate(pieces)
-    errors = [{**row, "index": index} for index, part in enumerate(parts) for row in part.document["errors"]]
+    errors = [
+        {**row, "index": index} for index, artifact in enumerate(artifacts) for row in artifact.document["errors"]
+    ]
     return Artifact(arrays, {"errors": errors})

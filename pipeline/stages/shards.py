@@ -45,14 +45,14 @@ def spans(progress: Progress) -> list[Sequence[int]]:
     Shards are runs of neighbouring batches, cut by content as batches are, so that a new shape changes its own.
     """
     present = [number for number, item in enumerate(progress.work["trunks"]) if item.reference in progress.done]
-    breaks = [place for place in range(1, len(present)) if present[place] != present[place - 1] + 1]
-    found: list[Sequence[int]] = []
+    breaks = [index for index in range(1, len(present)) if present[index] != present[index - 1] + 1]
+    ranges: list[Sequence[int]] = []
     for low, high in pairwise([0, *breaks, len(present)]):
         # By the pictures, not by the keys: an edit of code or of a parameter leaves the spans as they are.
         contents = ["".join(progress.work["ingest"][number].parts.inputs) for number in present[low:high]]
         cuts = cut(contents, max(1, SHAPES_PER_SHARD // progress.config.batch))
-        found += [present[low + span.start : low + span.stop] for span in cuts]
-    return found
+        ranges += [present[low + span.start : low + span.stop] for span in cuts]
+    return ranges
 
 
 def items(progress: Progress) -> list[WorkItem]:

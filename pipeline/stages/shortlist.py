@@ -29,9 +29,9 @@ class Refined:
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Refined) -> Artifact:
-    """Refined plans of the pairs, in order of selection → ``places`` (k,) among them, least deformation first.
+    """Refined plans of the pairs, in order of selection → ``positions`` (k,) among them, least deformation first.
 
-    Greedily by falling bound, within the limits of ``select`` (policy ``paper`` has none); equal ones by place. Pairs
+    Greedily by falling bound, within the limits of ``select`` (policy ``paper`` has none); equal ones in order of selection. Pairs
     without a plan are left out, unless there are too few others.
     """
     (settings,) = parameters
@@ -42,8 +42,8 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Refined) ->
         limits = Limits(settings.top, len(order) + 1, len(order) + 1)
     else:
         limits = Limits(settings.top, settings.per_class_pair, settings.per_shape)
-    places = greedy(pairs[:, 0], pairs[:, 1], labels(spec.classes), limits)
-    return Artifact({"places": order[np.array(places, dtype=np.int64)]})
+    ranks = greedy(pairs[:, 0], pairs[:, 1], labels(spec.classes), limits)
+    return Artifact({"positions": order[np.array(ranks, dtype=np.int64)]})
 
 
 def items(progress: Progress) -> list[WorkItem]:
@@ -58,7 +58,7 @@ def items(progress: Progress) -> list[WorkItem]:
 def shortlisted(progress: Progress) -> list[int]:
     """Numbers, among the pairs with refined trunks that are done, of those to construct; none if it failed."""
     for item in progress.finished("shortlist"):
-        return [int(number) for number in progress.read(item).arrays["places"]]
+        return [int(number) for number in progress.read(item).arrays["positions"]]
     return []
 
 

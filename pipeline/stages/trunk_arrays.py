@@ -34,8 +34,8 @@ def pack_trunks(stack: Sequence[Trunks | None]) -> dict[str, AnyArray]:
     }
     for name in empty.to_arrays():
         if name != "offsets":
-            parts = [trunks.to_arrays()[name] for trunks in present]
-            arrays[name] = np.concatenate([empty.to_arrays()[name], *parts])
+            columns = [trunks.to_arrays()[name] for trunks in present]
+            arrays[name] = np.concatenate([empty.to_arrays()[name], *columns])
     return arrays
 
 

@@ -22,22 +22,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Make one study; returns the exit code."""
     console = Console(highlight=False, soft_wrap=True)
     complaints = Console(stderr=True, soft_wrap=True, highlight=False)
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    options = list(sys.argv[1:] if arguments is None else arguments)
     known = "\n".join(f"  {name:14} {meaning}" for name, meaning in STUDIES.items())
-    if given[:1] in (["--help"], ["-h"]):
+    if options[:1] in (["--help"], ["-h"]):
         console.print(f"{__doc__}\n{known}", markup=False)
         return CLEAN
-    if not given or given[0] not in STUDIES:
-        mistake = f"{given[0]}: no such study" if given else "name a study"
+    if not options or options[0] not in STUDIES:
+        mistake = f"{options[0]}: no such study" if options else "name a study"
         complaints.print(f"{mistake}; there are\n{known}\n{__doc__}", markup=False)
         return BAD_START
-    name = given[0]
+    name = options[0]
 
     def say(text: str) -> None:
         complaints.print(text, markup=False)
 
     try:
-        findings, page = study.make.make_study(name, getattr(study, name), given[1:], say)
+        findings, page = study.make.make_study(name, getattr(study, name), options[1:], say)
     except RiotError as error:
         complaints.print(str(error), style="red", markup=False)
         return BAD_START

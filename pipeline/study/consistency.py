@@ -72,11 +72,11 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
         cross = np.array([partners.cross(i, j) for i, j in pairs.tolist()])
         quick = {variant: _quick(finished, pairs, variant, partners) for variant in QCRS_VARIANTS}
         known = np.isfinite(quick[finished.config.qcrs.variant])  # else the run set the pair aside
-        pairs, cross, quick = pairs[known], cross[known], {variant: each[known] for variant, each in quick.items()}
+        pairs, cross, quick = pairs[known], cross[known], {variant: scores[known] for variant, scores in quick.items()}
         bound = np.full(len(pairs), np.nan)
         refined = rng.permutation(len(pairs))[: parameters.bounds if kind == "uniform" else 0]
-        for at in refined.tolist():
-            bound[at] = max(0.0, partners.bound(*pairs[at].tolist()))
+        for index in refined.tolist():
+            bound[index] = max(0.0, partners.bound(*pairs[index].tolist()))
         samples.append(Sample(kind, pairs, cross, quick, bound))
     mined = _selected(finished, partners)
     return _findings(finished, parameters, [*samples, *([mined] if len(mined.pairs) >= 3 else [])])
@@ -106,18 +106,18 @@ def best_of_classes(finished: Finished, count: int, rng: np.random.Generator) ->
     if len(members) < 2:
         return np.empty((0, 2), dtype=np.int64)
     pairs = uniform(len(members), count, rng) if len(members) > 2 else np.array([[0, 1]])
-    found: IntArray = members[pairs]
-    return found
+    drawn: IntArray = members[pairs]
+    return drawn
 
 
 def _selected(finished: Finished, partners: Partners) -> Sample:
     """The pairs with CRS that the run refined."""
     table = finished.table("crs", "i", "j", "score", "bound")
-    i, j, cross, bound = (np.asarray(each.to_numpy(), dtype=np.float64) for each in table.columns)
+    i, j, cross, bound = (np.asarray(column_values.to_numpy(), dtype=np.float64) for column_values in table.columns)
     pairs = np.stack([i, j], axis=1).astype(np.int64)
     quick = {variant: _quick(finished, pairs, variant, partners) for variant in QCRS_VARIANTS} if len(pairs) else {}
     known = np.isfinite([cross, bound, *quick.values()]).all(axis=0)
-    of_known = {variant: each[known] for variant, each in quick.items()}
+    of_known = {variant: column_values[known] for variant, column_values in quick.items()}
     return Sample("selected", pairs[known], cross[known], of_known, bound[known])
 
 
@@ -133,22 +133,22 @@ def _quick(finished: Finished, pairs: IntArray, variant: QcrsVariant, partners: 
 
 def _findings(finished: Finished, parameters: Parameters, samples: list[Sample]) -> Findings:
     meets, tops, figures = [], [], {}
-    said: dict[tuple[str, str], Agreement] = {}
+    agreements: dict[tuple[str, str], Agreement] = {}
     for sample in samples:
-        for name, beside, score, reference in _comparisons(sample):
-            found = agreement(score, reference, parameters.draws, parameters.seed)
+        for name, reference_name, score, reference in _comparisons(sample):
+            agreed = agreement(score, reference, parameters.draws, parameters.seed)
             row = [f"{precision(score, reference, top):.0%}" if top < len(score) else "–" for top in TOPS]
-            meets.append((sample.kind, name, beside, *_cells(found)))
-            tops.append((sample.kind, name, beside, *row))
-            if beside == "CRS":
-                said[sample.kind, name] = found
+            meets.append((sample.kind, name, reference_name, *_cells(agreed)))
+            tops.append((sample.kind, name, reference_name, *row))
+            if reference_name == "CRS":
+                agreements[sample.kind, name] = agreed
                 figures[f"{sample.kind}-{name.split()[1]}"] = (
-                    plots.scatter((score, reference), calibration(score, reference, BINS), name, beside),
+                    plots.scatter((score, reference), calibration(score, reference, BINS), name, reference_name),
                     f"{name} and CRS, {sample.kind} pairs",
                 )
     shares = ", ".join(
-        f"{found.alike} of {found.drawn} draws ({found.low:.1%} to {found.high:.1%}) by {name}"
-        for (kind, name), found in said.items()
+        f"{agreed.alike} of {agreed.drawn} draws ({agreed.low:.1%} to {agreed.high:.1%}) by {name}"
+        for (kind, name), agreed in agreements.items()
         if kind == "uniform"
     )
     head = ("pairs", "score", "beside", "pairs", "alike", "95 %", "of all", "ties half", "Kendall", "Spearman",
@@ -177,36 +177,39 @@ def _comparisons(sample: Sample) -> Iterator[tuple[str, str, FloatArray, FloatAr
     every = [(name, "CRS", score, sample.cross) for name, score in scores.items()]
     every += [(name, "IoU", score[refined], sample.bound[refined])
               for name, score in {**scores, "CRS": sample.cross}.items()]  # fmt: skip
-    for one in every:
-        if all(len(values) >= 3 and np.ptp(values) > 0.0 for values in one[2:]):
-            yield one
+    for comparison in every:
+        if all(len(values) >= 3 and np.ptp(values) > 0.0 for values in comparison[2:]):
+            yield comparison
 
 
-def _cells(found: Agreement) -> tuple[str, ...]:
+def _cells(agreed: Agreement) -> tuple[str, ...]:
     return (
-        f"{found.pairs:,}",
-        f"{found.alike} of {found.drawn}",
-        f"{found.low:.1%} – {found.high:.1%}",
-        *(f"{value:.3f}" for value in (found.share, found.halved, found.kendall, found.spearman, found.nearly_tied)),
+        f"{agreed.pairs:,}",
+        f"{agreed.alike} of {agreed.drawn}",
+        f"{agreed.low:.1%} – {agreed.high:.1%}",
+        *(
+            f"{value:.3f}"
+            for value in (agreed.share, agreed.halved, agreed.kendall, agreed.spearman, agreed.nearly_tied)
+        ),
     )
 
 
 def _table(samples: list[Sample]) -> pa.Table:
     score = "score in [0, 1]"
     joined = {
-        "cross": np.concatenate([each.cross for each in samples]),
-        "bound": np.concatenate([each.bound for each in samples]),
+        "cross": np.concatenate([sample.cross for sample in samples]),
+        "bound": np.concatenate([sample.bound for sample in samples]),
     }
-    pairs = np.concatenate([each.pairs for each in samples])
+    pairs = np.concatenate([sample.pairs for sample in samples])
     return of_columns(
         "Sampled pairs with their scores.",
         [
             (column("sample", pa.string(), "how the pair was drawn"),
-             [each.kind for each in samples for _ in range(len(each.pairs))]),
+             [sample.kind for sample in samples for _ in range(len(sample.pairs))]),
             (column("i", pa.int32(), "first shape", "shape number"), pairs[:, 0]),
             (column("j", pa.int32(), "second shape", "shape number"), pairs[:, 1]),
             *((column(f"qcrs_{variant}", pa.float64(), f"QCRS, variant {variant}", score),
-               np.concatenate([each.quick[variant] for each in samples])) for variant in QCRS_VARIANTS),
+               np.concatenate([sample.quick[variant] for sample in samples])) for variant in QCRS_VARIANTS),
             (column("crs", pa.float64(), "CRS", score), joined["cross"]),
             (column("bound", pa.float64(), "greatest IoU of the worse shape on refined trunks; nan = not refined", "1"),
              joined["bound"]),

@@ -52,7 +52,7 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     """Distributions of S_r and QCRS, over everything and by class, and shapes at equal steps of rank by S_r."""
     reversible = finished.values("reversibility", "score")
     groups = list(_groups(finished, reversible))
-    found = [quantiles(group.values, SHARES) for group in groups]
+    group_quantiles = [quantiles(group.values, SHARES) for group in groups]
     table = of_columns(
         "Distribution of each score over everything and by class; a pair counts for both its classes.",
         [
@@ -61,7 +61,7 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
              [group.cls for group in groups]),
             (column("values", pa.int64(), "how many", "count"), [int(np.isfinite(g.values).sum()) for g in groups]),
             *((column(f"q{share:.2f}", pa.float64(), f"quantile {share:.2f}", "score in [0, 1]"),
-               [row[place] for row in found]) for place, share in enumerate(SHARES)),
+               [row[k] for row in group_quantiles]) for k, share in enumerate(SHARES)),
         ],
     )  # fmt: skip
     everything = {group.score: group.values for group in groups if not group.cls}
@@ -79,14 +79,14 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     }  # fmt: skip
     for name, of_kind in kinds.items():
         if of_kind:
-            ordered = sorted(of_kind, key=lambda cls, of=of_kind: -float(np.nanmedian(of[cls])))  # type: ignore[misc]
+            ordered = sorted(of_kind, key=lambda cls, scores=of_kind: -float(np.nanmedian(scores[cls])))  # type: ignore[misc]
             figures[f"{name.lower()}-classes"] = (
                 plots.boxes({cls: of_kind[cls] for cls in ordered}, name),
                 f"{name} by class, the highest median first",
             )
     cells = [
         (group.score, f"{np.isfinite(group.values).sum():,}", *(f"{value:.3f}" for value in row))
-        for group, row in zip(groups, found, strict=True)
+        for group, row in zip(groups, group_quantiles, strict=True)
         if not group.cls
     ]
     return Findings(
@@ -104,8 +104,8 @@ def _told(group: Group) -> str:
     bounds = (-np.inf, *BANDS, np.inf)
     shares = np.histogram(known, bounds)[0] / max(len(known), 1)
     words = (f"below {BANDS[0]}", *(f"from {a} to {b}" for a, b in pairwise(BANDS)), f"{BANDS[-1]} or more")
-    parts = (f"{share:.0%} {word}" for share, word in zip(shares, words, strict=True))
-    return f"{group.score} of {len(known):,} {group.things}: {', '.join(parts)}."
+    phrases = (f"{share:.0%} {word}" for share, word in zip(shares, words, strict=True))
+    return f"{group.score} of {len(known):,} {group.things}: {', '.join(phrases)}."
 
 
 def _groups(finished: Finished, reversible: FloatArray) -> Iterator[Group]:

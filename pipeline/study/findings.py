@@ -39,7 +39,7 @@ class Sheet:
     @property
     def columns(self) -> tuple[tuple[str, bool], ...]:
         """The head of each column, and whether numbers stand below it."""
-        return tuple((name, place >= self.numeric) for place, name in enumerate(self.head))
+        return tuple((name, index >= self.numeric) for index, name in enumerate(self.head))
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,8 @@ class Findings:
 
 def of_columns(meaning: str, columns: Sequence[tuple[pa.Field, Any]]) -> pa.Table:
     """A table of columns and their values."""
-    typed = schema(meaning, *(one for one, _ in columns))
-    return pa.table([pa.array(values, one.type) for one, values in columns], schema=typed)
+    typed = schema(meaning, *(field_ for field_, _ in columns))
+    return pa.table([pa.array(values, field_.type) for field_, values in columns], schema=typed)
 
 
 def encoded(table: pa.Table) -> bytes:

@@ -70,25 +70,25 @@ class Finished:
         i, j = (self.quick.column(name).to_numpy().astype(np.int64) for name in ("i", "j"))
         keys, wanted = i * count + j, pairs[:, 0] * count + pairs[:, 1]
         order = np.argsort(keys, kind="stable")
-        places = np.minimum(np.searchsorted(keys[order], wanted), max(len(keys) - 1, 0))
-        if not len(keys) or (keys[order][places] != wanted).any():
+        rows = np.minimum(np.searchsorted(keys[order], wanted), max(len(keys) - 1, 0))
+        if not len(keys) or (keys[order][rows] != wanted).any():
             raise StartError(f"{self.mined.folder}: QCRS of some pairs is missing; this study needs qcrs.mode=all")
-        return np.asarray(self.quick.column("score").to_numpy()[order][places], dtype=np.float64)
+        return np.asarray(self.quick.column("score").to_numpy()[order][rows], dtype=np.float64)
 
     @cached_property
     def shapes(self) -> list[Shape]:
         """The shapes by number."""
-        store, found, at = self.mined.store, dict[int, Shape](), 0
+        store, shapes_by_number, position = self.mined.store, dict[int, Shape](), 0
         for key in self.mined.trunks:
             entry = store.entry("trunks", key)
             assert entry is not None  # it was read when the run was opened
             batch = store.get("ingest", entry.parts["inputs"][0])
             for index in range(count_shapes(batch)):
-                number = int(self.mined.numbers[at])
-                at += 1
+                number = int(self.mined.numbers[position])
+                position += 1
                 shape = unpack_shape(batch, index, self.mined.names[number]) if number >= 0 else None
                 if shape is not None:
-                    found[number] = shape
-        if len(found) != len(self.mined.names):
+                    shapes_by_number[number] = shape
+        if len(shapes_by_number) != len(self.mined.names):
             raise StartError(f"{self.mined.folder}: some shapes have no trunks because the work failed; run it again")
-        return [found[number] for number in range(len(found))]
+        return [shapes_by_number[number] for number in range(len(shapes_by_number))]

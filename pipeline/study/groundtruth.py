@@ -52,19 +52,19 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     """
     pairs, left_out = hide(parameters.pairs, PIECES, parameters.deform)
     shapes = [side.shape for pair in pairs for side in (pair.p, pair.q)] + finished.shapes
-    settings, own = finished.config, finished.config.qcrs.variant
+    settings, own_variant = finished.config, finished.config.qcrs.variant
     searched = {
         variant: Partners(shapes, settings.trunks, settings.refine, settings.crs, variant) for variant in QCRS_VARIANTS
     }
-    search = Search(pairs, searched[own], parameters.keep, parameters.few)
-    found = search.run(say)
+    search = Search(pairs, searched[own_variant], parameters.keep, parameters.few)
+    recoveries = search.run(say)
     close = [search.closeness(number) for number in range(len(pairs))]
-    ranks = {own: np.array([float(one.quick_rank) for one in found])}
+    ranks = {own_variant: np.array([float(recovery.quick_rank) for recovery in recoveries])}
     for variant, partners in searched.items():
-        if variant != own:
+        if variant != own_variant:
             say(f"QCRS, {variant}, of the hidden shapes …")
-            ranks[variant] = _quick_ranks(partners, len(found))
-    return _findings(finished, parameters, found, close, ranks, left_out)
+            ranks[variant] = _quick_ranks(partners, len(recoveries))
+    return _findings(finished, parameters, recoveries, close, ranks, left_out)
 
 
 def _quick_ranks(partners: Partners, hidden: int) -> FloatArray:
@@ -77,31 +77,31 @@ def _quick_ranks(partners: Partners, hidden: int) -> FloatArray:
 def _findings(
     finished: Finished,
     parameters: Parameters,
-    found: Sequence[Found],
+    recoveries: Sequence[Found],
     close: Sequence[Closeness],
     ranks: dict[QcrsVariant, FloatArray],
     left_out: int,
 ) -> Findings:
-    rows = figures(found, close, parameters.keep)
-    causes = Counter(one.cause for one in found if one.cause)
-    cross = np.array([np.nan if one.cross_rank is None else one.cross_rank for one in found])
-    worst = np.array([one.found for one in close])
+    rows = figures(recoveries, close, parameters.keep)
+    causes = Counter(recovery.cause for recovery in recoveries if recovery.cause)
+    cross = np.array([np.nan if recovery.cross_rank is None else recovery.cross_rank for recovery in recoveries])
+    worst = np.array([recovery.found for recovery in close])
     curves = {**{f"QCRS, {variant}": each for variant, each in ranks.items()}, "CRS": cross}
     depths = (1, 3, 10, 50, 100, 400)
-    at = [(name, *(f"{np.mean(each <= depth):.1%}" for depth in depths)) for name, each in curves.items()]
+    recall_rows = [(name, *(f"{np.mean(each <= depth):.1%}" for depth in depths)) for name, each in curves.items()]
     spread = [
         (WAYS[way], *(f"{row[word]:.5f}" for word in QUANTILES), f"{row['refused']:.0f}")
         for way, row in quantiles(close).items()
     ]
     return Findings(
         f"Hidden exact pairs in {finished.mined.dataset}",
-        f"{len(found)} shapes of {len(close)} exact pairs among {len(found) + len(finished.mined.names)} shapes; "
-        f"{left_out} pairs were left out as degenerate. CRS and construction follow QCRS of the run's variant, "
+        f"{len(recoveries)} shapes of {len(close)} exact pairs among {len(recoveries) + len(finished.mined.names)} "
+        f"shapes; {left_out} pairs were left out as degenerate. CRS and construction follow QCRS of the run's variant, "
         f"{finished.config.qcrs.variant}, whose first {parameters.keep} go on.",
-        _table(found, close, ranks),
+        _table(recoveries, close, ranks),
         [
             Sheet("Shares", ("share", "count", "of", "95 %", "target", *_sizes(rows)), [_cells(row) for row in rows]),
-            Sheet("Partners among the first", ("by", *map(str, depths)), at),
+            Sheet("Partners among the first", ("by", *map(str, depths)), recall_rows),
             Sheet("IoU of the worse shape", ("given", *QUANTILES, "refused"), spread),
             Sheet("Partner not first in the end; lost at", ("cause", "shapes"),
                   [(cause, str(count)) for cause, count in causes.most_common()]),
@@ -120,11 +120,11 @@ def _sizes(rows: Sequence[Figure]) -> list[str]:
 
 def _cells(row: Figure) -> tuple[str, ...]:
     aim = "" if row.target is None else f"{row.target:.0%}"
-    by_n = [f"{good}/{of}" for good, of in row.by_n.values()]
+    by_n = [f"{good}/{total}" for good, total in row.by_n.values()]
     return row.name, str(row.good), str(row.of), f"{row.low:.1%} – {row.high:.1%}", aim, *by_n
 
 
-def _table(found: Sequence[Found], close: Sequence[Closeness], ranks: dict[QcrsVariant, FloatArray]) -> pa.Table:
+def _table(recoveries: Sequence[Found], close: Sequence[Closeness], ranks: dict[QcrsVariant, FloatArray]) -> pa.Table:
     kinds = {"str": pa.string(), "int": pa.int32(), "bool": pa.bool_(), "float": pa.float64(), "int | None": pa.int32()}
     meanings = {
         "name": "hidden shape",
@@ -143,7 +143,10 @@ def _table(found: Sequence[Found], close: Sequence[Closeness], ranks: dict[QcrsV
         "cause": "where its partner was lost, empty = first in the end",
     }
     columns = [
-        (column(each.name, kinds[str(each.type)], meanings[each.name]), [getattr(one, each.name) for one in found])
+        (
+            column(each.name, kinds[str(each.type)], meanings[each.name]),
+            [getattr(recovery, each.name) for recovery in recoveries],
+        )
         for each in fields(Found)
     ]
     columns += [
@@ -155,7 +158,7 @@ def _table(found: Sequence[Found], close: Sequence[Closeness], ranks: dict[QcrsV
     ]
     columns += [
         (column(f"iou_{way}", pa.float64(), f"IoU of the pair's worse shape: {words}; nan = refused", "1"),
-         [getattr(close[place // 2], way) for place in range(len(found))])
+         [getattr(close[k // 2], way) for k in range(len(recoveries))])
         for way, words in WAYS.items()
     ]  # fmt: skip
     return of_columns("Hidden shapes and what became of their partners.", columns)

@@ -77,10 +77,10 @@ def hide(count: int, pieces: Sequence[int], deform: float = 0.0, narrow: bool = 
     Before they are drawn, both are deformed by waves of amplitude ``deform``, in units of √area. The generator keeps
     its own margins to what the search needs, or only the ``narrow`` ones.
     """
-    made: list[HiddenPair] = []
+    hidden_pairs: list[HiddenPair] = []
     left_out, seed = 0, SEED
-    while len(made) < count:
-        k = len(made)
+    while len(hidden_pairs) < count:
+        k = len(hidden_pairs)
         n, (topology, curved) = pieces[k % len(pieces)], KINDS[k // len(pieces) % len(KINDS)]
         seed += 1
         # The library's generator has no such parameters: elsewhere its pairs are meant to be found.
@@ -93,14 +93,14 @@ def hide(count: int, pieces: Sequence[int], deform: float = 0.0, narrow: bool = 
         rng = np.random.default_rng([SEED, seed])
         p = Hidden(k, *drawn(exact.p, exact.trunk_p, f"{name}-p", deform, rng))
         q = Hidden(k, *drawn(exact.q, exact.trunk_q[::-1], f"{name}-q", deform, rng))
-        made.append(HiddenPair(n, topology, curved, seed, exact, p, q))
-    return made, left_out
+        hidden_pairs.append(HiddenPair(n, topology, curved, seed, exact, p, q))
+    return hidden_pairs, left_out
 
 
 def degenerate(pair: ExactPair) -> bool:
     """Whether an exterior piece or a trunk edge is too small for the filters of candidate trunks."""
-    parts = [(arc, pair.trunk_p) for piece in pair.pieces for arc in (piece.lower, piece.upper)]
-    areas = [0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) for (arc, _) in parts for x, y in (arc.T,)]
+    arcs = [(arc, pair.trunk_p) for piece in pair.pieces for arc in (piece.lower, piece.upper)]
+    areas = [0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) for (arc, _) in arcs for x, y in (arc.T,)]
     return min(areas) < LEAST_PIECE or float(edge_lengths(pair.trunk_p).min()) < LEAST_EDGE
 
 
@@ -114,14 +114,14 @@ def drawn(
     low, extent = polygon.min(axis=0), np.ptp(polygon, axis=0)
     scale = (PIXELS - 2 * MARGIN) / extent.max()
 
-    def place(points: FloatArray) -> FloatArray:
+    def to_picture(points: FloatArray) -> FloatArray:
         return np.asarray((points - low) * [scale, -scale] + [MARGIN, PIXELS - MARGIN])
 
     image = Image.new("L", (PIXELS * FINER, PIXELS * FINER))
-    ImageDraw.Draw(image).polygon([(float(x), float(y)) for x, y in place(polygon) * FINER], fill=255)
+    ImageDraw.Draw(image).polygon([(float(x), float(y)) for x, y in to_picture(polygon) * FINER], fill=255)
     shape = mask_shape(np.asarray(image.reduce(FINER), dtype=np.float64), name)
     # A shape's source coordinates are whole at the middles of pixels.
-    return shape, shape.from_source(place(corners) - 0.5)
+    return shape, shape.from_source(to_picture(corners) - 0.5)
 
 
 def nearest(hidden: Hidden, trunks: Trunks) -> float:

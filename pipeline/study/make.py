@@ -36,9 +36,9 @@ def make_study(name: str, study: Study, arguments: Sequence[str], say: Say) -> t
 
     Raises `RiotError` if the arguments are wrong or the run cannot be read.
     """
-    own, others = split(arguments, study.Parameters)
-    parameters: Any = build(study.Parameters, own)
-    config = check_command(complete(others))
+    study_arguments, run_arguments = split(arguments, study.Parameters)
+    parameters: Any = build(study.Parameters, study_arguments)
+    config = check_command(complete(run_arguments))
     warm_all(say)
     folder = run_folder(config)
     findings = study.study(Finished.open(folder), parameters, say)
@@ -55,9 +55,11 @@ def split(arguments: Sequence[str], parameters: type) -> tuple[dict[str, Any], l
     ({'pairs': 20}, ['outputs=here'])
     """
     names = {field.name for field in dataclasses.fields(parameters)}
-    own = [argument for argument in arguments if argument.partition("=")[0] in names]
-    if any("=" not in argument for argument in own):
-        raise ConfigError(f"{own[0]}: give a value, {own[0]}=…")
-    values = OmegaConf.to_container(OmegaConf.from_dotlist(own))
+    study_arguments = [argument for argument in arguments if argument.partition("=")[0] in names]
+    if any("=" not in argument for argument in study_arguments):
+        raise ConfigError(f"{study_arguments[0]}: give a value, {study_arguments[0]}=…")
+    values = OmegaConf.to_container(OmegaConf.from_dotlist(study_arguments))
     assert isinstance(values, dict)
-    return {str(name): value for name, value in values.items()}, [item for item in arguments if item not in own]
+    return {str(name): value for name, value in values.items()}, [
+        item for item in arguments if item not in study_arguments
+    ]

@@ -43,7 +43,7 @@ def orders(
     best = math.ceil(len(reference) / 10)
     for name in ("sigma_pa", "sigma_w"):
         for value in sorted({*values[name], default[name]}):
-            factors = [value / default[name] if name == each else 1.0 for each in ("sigma_pa", "sigma_w")]
+            factors = [value / default[name] if name == sigma else 1.0 for sigma in ("sigma_pa", "sigma_w")]
             score = reordered(s1, s2, *factors)
             kendall = float(stats.kendalltau(score, reference).statistic)
             yield Order(name, value, value == default[name], kendall, precision(score, reference, best))

@@ -91,23 +91,29 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     outcomes = list(vary(hidden, sample, finished.config.trunks, values, say))
     times = _times(outcomes, say)
     s1, s2 = (finished.values("reversibility", name) for name in ("s1", "s2"))
-    own = {name: float(getattr(finished.config.reversibility, name)) for name in SIGMAS}
-    found = list(orders(s1, s2, own, {name: getattr(parameters, name) for name in SIGMAS}))
-    return replace(_findings(finished, parameters, outcomes, found), files={TIMES: times})
+    run_sigmas = {name: float(getattr(finished.config.reversibility, name)) for name in SIGMAS}
+    sigma_orders = list(orders(s1, s2, run_sigmas, {name: getattr(parameters, name) for name in SIGMAS}))
+    return replace(_findings(finished, parameters, outcomes, sigma_orders), files={TIMES: times})
 
 
 def _times(outcomes: Sequence[Outcome], say: Callable[[str], None]) -> bytes:
     """The table of times; each is told as well."""
-    own = next(one.seconds for one in outcomes if one.default)
-    for one in outcomes:
-        say(f"{one.parameter}={one.value:g}: {1e3 * one.seconds:.1f} ms a shape, {one.seconds / own:.2f} × the default")
+    default_seconds = next(outcome.seconds for outcome in outcomes if outcome.default)
+    for outcome in outcomes:
+        say(
+            f"{outcome.parameter}={outcome.value:g}: {1e3 * outcome.seconds:.1f} ms a shape, "
+            f"{outcome.seconds / default_seconds:.2f} × the default"
+        )
     table = of_columns(
         "CPU time of the full trunks of one shape; these vary from run to run.",
         [
-            (column("parameter", pa.string(), "parameter that is varied"), [one.parameter for one in outcomes]),
-            (column("value", pa.float64(), "its value"), [one.value for one in outcomes]),
-            (column("seconds", pa.float64(), "mean of one shape", "s"), [one.seconds for one in outcomes]),
-            (column("ratio", pa.float64(), "to that of the default", "1"), [one.seconds / own for one in outcomes]),
+            (column("parameter", pa.string(), "parameter that is varied"), [outcome.parameter for outcome in outcomes]),
+            (column("value", pa.float64(), "its value"), [outcome.value for outcome in outcomes]),
+            (column("seconds", pa.float64(), "mean of one shape", "s"), [outcome.seconds for outcome in outcomes]),
+            (
+                column("ratio", pa.float64(), "to that of the default", "1"),
+                [outcome.seconds / default_seconds for outcome in outcomes],
+            ),
         ],
     )
     return encoded(table)
@@ -116,22 +122,22 @@ def _times(outcomes: Sequence[Outcome], say: Callable[[str], None]) -> bytes:
 def _findings(
     finished: Finished, parameters: Parameters, outcomes: Sequence[Outcome], orders: Sequence[Order]
 ) -> Findings:
-    of, counted = len(outcomes[0].error), len(outcomes[0].trunks)
+    hidden_shapes, counted = len(outcomes[0].error), len(outcomes[0].trunks)
     trunk_rows = [
-        (SYMBOLS[one.parameter], _value(one), f"{one.found} of {of}",
-         "{:.0%} – {:.0%}".format(*wilson(one.found, of, together=2)), f"{one.mean_error:.4f}",
-         f"{np.median(one.trunks):.0f}", f"{one.trunks.mean():.0f}")
-        for one in outcomes
+        (SYMBOLS[row.parameter], _value(row), f"{row.found} of {hidden_shapes}",
+         "{:.0%} – {:.0%}".format(*wilson(row.found, hidden_shapes, together=2)), f"{row.mean_error:.4f}",
+         f"{np.median(row.trunks):.0f}", f"{row.trunks.mean():.0f}")
+        for row in outcomes
     ]  # fmt: skip
-    lost_rows = [(SYMBOLS[one.parameter], _value(one), _lost(one)) for one in outcomes if one.lost]
-    order_rows = [(SYMBOLS[one.parameter], _value(one), f"{one.kendall:.3f}", f"{one.kept:.0%}") for one in orders]
-    said = {**_trunk_words(outcomes), **_order_words(orders)}
-    words = [(SYMBOLS[name], PAPER[name], here) for name, here in said.items()]
+    lost_rows = [(SYMBOLS[row.parameter], _value(row), _lost(row)) for row in outcomes if row.lost]
+    order_rows = [(SYMBOLS[row.parameter], _value(row), f"{row.kendall:.3f}", f"{row.kept:.0%}") for row in orders]
+    findings_by_name = {**_trunk_words(outcomes), **_order_words(orders)}
+    words = [(SYMBOLS[name], PAPER[name], here) for name, here in findings_by_name.items()]
     return Findings(
         f"Parameters on {finished.mined.dataset}",
-        f"One parameter at a time, the others as the run has them. True trunks are those of {of} shapes of exact "
-        f"pairs, drawn as pictures, {MARGINS[parameters.narrow]}; they are found if a candidate trunk is near at every "
-        f"corner. Trunks are counted in {counted} shapes of the run. The order by S_r is that of all its shapes, and "
+        f"One parameter at a time, the others as the run has them. True trunks are those of {hidden_shapes} shapes of "
+        f"exact pairs, drawn as pictures, {MARGINS[parameters.narrow]}; they are found if a candidate trunk is near at "
+        f"every corner. Trunks are counted in {counted} shapes of the run. The order by S_r is that of all its shapes, and "
         f"depends on the ratio of the two sigmas alone. Times are in {TIMES} beside this page.",
         _table(outcomes, orders),
         [
@@ -142,52 +148,55 @@ def _findings(
             Sheet("Order by S_r", ("parameter", "value", "Kendall's τ", "of the best tenth kept"), order_rows),
         ],
         {
-            "recovery": (_lines(_series(outcomes, lambda one: one.found / of), "true trunks found"),
+            "recovery": (_lines(_series(outcomes, lambda row: row.found / hidden_shapes), "true trunks found"),
                          "Share of true trunks that are near a candidate trunk"),
-            "error": (_lines(_series(outcomes, lambda one: one.mean_error), "mean error / L_c"),
+            "error": (_lines(_series(outcomes, lambda row: row.mean_error), "mean error / L_c"),
                       "Greatest distance of a corner from its true place, of the nearest candidate trunk"),
-            "trunks": (_lines(_series(outcomes, lambda one: float(np.median(one.trunks))), "trunks a shape", True),
+            "trunks": (_lines(_series(outcomes, lambda row: float(np.median(row.trunks))), "trunks a shape", True),
                        "Median number of candidate trunks"),
-            "order": (_lines(_series(orders, lambda one: one.kendall), "Kendall's τ to the default"),
+            "order": (_lines(_series(orders, lambda row: row.kendall), "Kendall's τ to the default"),
                       "How far the order of the shapes by S_r stays"),
         },
     )  # fmt: skip
 
 
-def _value(one: Outcome | Order) -> str:
-    return f"{one.value:g}" + " (run)" * one.default
+def _value(row: Outcome | Order) -> str:
+    return f"{row.value:g}" + " (run)" * row.default
 
 
-def _lost(one: Outcome) -> str:
+def _lost(outcome: Outcome) -> str:
     return ", ".join(
-        f"{test} {count}" for test, count in sorted(one.lost.items(), key=lambda item: (-item[1], item[0]))
+        f"{test} {count}" for test, count in sorted(outcome.lost.items(), key=lambda item: (-item[1], item[0]))
     )
 
 
 def _trunk_words(outcomes: Sequence[Outcome]) -> dict[str, str]:
     """A sentence or two on each parameter of candidate trunks, from the values."""
     words = {}
-    for name in dict.fromkeys(one.parameter for one in outcomes):
-        own = [one for one in outcomes if one.parameter == name]
-        default = next(one for one in own if one.default)
-        best, worst = max(own, key=lambda one: (one.found, one.default)), min(own, key=lambda one: one.found)
-        said = [f"{default.found} of {len(default.error)} true trunks with {default.value:g}"]
-        said.append("no value finds more" if best.default else f"the most, {best.found}, with {best.value:g}")
+    for name in dict.fromkeys(outcome.parameter for outcome in outcomes):
+        varied = [outcome for outcome in outcomes if outcome.parameter == name]
+        default = next(outcome for outcome in varied if outcome.default)
+        best, worst = (
+            max(varied, key=lambda outcome: (outcome.found, outcome.default)),
+            min(varied, key=lambda outcome: outcome.found),
+        )
+        clauses = [f"{default.found} of {len(default.error)} true trunks with {default.value:g}"]
+        clauses.append("no value finds more" if best.default else f"the most, {best.found}, with {best.value:g}")
         if worst.found < default.found:
             test, count = max(sorted(worst.lost.items()), key=lambda item: item[1])
-            said.append(f"the fewest, {worst.found}, with {worst.value:g} ({count} lost at: {test})")
-        counts = [f"{np.median(one.trunks):.0f} with {one.value:g}" for one in (own[0], own[-1])]
-        words[name] = f"{'; '.join(said)}. Median trunks of a shape of the run: {', '.join(counts)}."
+            clauses.append(f"the fewest, {worst.found}, with {worst.value:g} ({count} lost at: {test})")
+        counts = [f"{np.median(outcome.trunks):.0f} with {outcome.value:g}" for outcome in (varied[0], varied[-1])]
+        words[name] = f"{'; '.join(clauses)}. Median trunks of a shape of the run: {', '.join(counts)}."
     return words
 
 
 def _order_words(orders: Sequence[Order]) -> dict[str, str]:
     """A sentence on each sigma that was varied, from the values."""
     words = {}
-    for name in dict.fromkeys(one.parameter for one in orders):
-        others = [one for one in orders if one.parameter == name and not one.default]
+    for name in dict.fromkeys(order.parameter for order in orders):
+        others = [order for order in orders if order.parameter == name and not order.default]
         if others:
-            worst = min(others, key=lambda one: one.kendall)
+            worst = min(others, key=lambda order: order.kendall)
             words[name] = (
                 f"The order stays to a Kendall's τ of {worst.kendall:.2f} at least (with {worst.value:g}, which keeps "
                 f"{worst.kept:.0%} of the best tenth)."
@@ -197,26 +206,26 @@ def _order_words(orders: Sequence[Order]) -> dict[str, str]:
 
 def _series(rows: Sequence[Row], measure: Callable[[Row], float]) -> dict[str, tuple[list[float], list[float]]]:
     """By parameter: its values over the default's, and a measure."""
-    found: dict[str, tuple[list[float], list[float]]] = {}
-    for name in dict.fromkeys(one.parameter for one in rows):
-        own = [one for one in rows if one.parameter == name]
-        default = next(one.value for one in own if one.default)
-        found[SYMBOLS[name]] = [one.value / default for one in own], [measure(one) for one in own]
-    return found
+    series: dict[str, tuple[list[float], list[float]]] = {}
+    for name in dict.fromkeys(row.parameter for row in rows):
+        varied = [row for row in rows if row.parameter == name]
+        default = next(row.value for row in varied if row.default)
+        series[SYMBOLS[name]] = [row.value / default for row in varied], [measure(row) for row in varied]
+    return series
 
 
 def _lines(series: Mapping[str, tuple[list[float], list[float]]], y: str, logarithmic: bool = False) -> Figure:
-    figure, found = plots.axes("value / the run's own", y)
+    figure, plot = plots.axes("value / the run's own", y)
     for number, (name, (factors, values)) in enumerate(series.items()):
-        found.plot(factors, values, "o-", color=COLOURS[number], markersize=4.0, linewidth=1.6, label=name)
-    found.axvline(1.0, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
-    found.set_xscale("log", base=2)
-    found.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        plot.plot(factors, values, "o-", color=COLOURS[number], markersize=4.0, linewidth=1.6, label=name)
+    plot.axvline(1.0, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
+    plot.set_xscale("log", base=2)
+    plot.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     if logarithmic:
-        found.set_yscale("log")
+        plot.set_yscale("log")
     else:
-        found.set_ylim(bottom=0.0)
-    found.legend(frameon=False)
+        plot.set_ylim(bottom=0.0)
+    plot.legend(frameon=False)
     return figure
 
 
@@ -233,22 +242,22 @@ def _table(outcomes: Sequence[Outcome], orders: Sequence[Order]) -> pa.Table:
         "One parameter at a time: what it does to candidate trunks, or to the order by S_r; null = not concerned.",
         [
             (column("parameter", pa.string(), "parameter that is varied; spacing is L_c / d_space"),
-             [one.parameter for one in rows]),
-            (column("value", pa.float64(), "its value"), [one.value for one in rows]),
-            (column("default", pa.bool_(), "whether it is the run's own"), [one.default for one in rows]),
-            trunk("hidden", pa.int32(), "shapes of exact pairs", "count", lambda one: len(one.error)),
+             [row.parameter for row in rows]),
+            (column("value", pa.float64(), "its value"), [row.value for row in rows]),
+            (column("default", pa.bool_(), "whether it is the run's own"), [row.default for row in rows]),
+            trunk("hidden", pa.int32(), "shapes of exact pairs", "count", lambda row: len(row.error)),
             trunk("found", pa.int32(), "of these, with a candidate trunk near the true one", "count",
-                  lambda one: one.found),
+                  lambda row: row.found),
             trunk("error", pa.float64(), "mean distance, at its worst corner, of the nearest trunk from the true one",
-                  "L_c = 2*sqrt(pi)", lambda one: one.mean_error),
+                  "L_c = 2*sqrt(pi)", lambda row: row.mean_error),
             trunk("without", pa.int32(), "of these, without a trunk of as many corners", "count",
-                  lambda one: int(np.isinf(one.error).sum())),
+                  lambda row: int(np.isinf(row.error).sum())),
             trunk("lost_at", pa.string(), "tests that leave nothing near a true trunk, and how often", "", _lost),
             trunk("trunks_median", pa.float64(), "candidate trunks of a shape of the run, median", "count",
-                  lambda one: float(np.median(one.trunks))),
+                  lambda row: float(np.median(row.trunks))),
             trunk("trunks_mean", pa.float64(), "candidate trunks of a shape of the run, mean", "count",
-                  lambda one: float(one.trunks.mean())),
-            order("kendall", "Kendall's tau of S_r with that of the run's own sigmas", lambda one: one.kendall),
-            order("kept", "share of the best tenth by S_r that stays there", lambda one: one.kept),
+                  lambda row: float(row.trunks.mean())),
+            order("kendall", "Kendall's tau of S_r with that of the run's own sigmas", lambda row: row.kendall),
+            order("kept", "share of the best tenth by S_r that stays there", lambda row: row.kept),
         ],
     )  # fmt: skip

@@ -66,8 +66,8 @@ class Partners:
 
     def quick_scores(self, count: int) -> FloatArray:
         """(count, shapes) QCRS of the first ``count`` with all; −1 of a shape with itself."""
-        found = score_block(stack(self.quick[:count]), stack(self.quick), QCRS_VARIANTS[self.variant]).score
-        scores = found.reshape(count, len(self.shapes)).copy()
+        scores = score_block(stack(self.quick[:count]), stack(self.quick), QCRS_VARIANTS[self.variant]).score
+        scores = scores.reshape(count, len(self.shapes)).copy()
         scores[np.arange(count), np.arange(count)] = -1.0
         return scores
 
@@ -79,8 +79,8 @@ class Partners:
 
     def cross(self, i: int, j: int) -> float:
         """CRS, 0 without trunks of one n."""
-        found = best_of_prepared(self.side(min(i, j)), self.side(max(i, j)), self._crs)
-        return found[0].score if found else 0.0
+        best = best_of_prepared(self.side(min(i, j)), self.side(max(i, j)), self._crs)
+        return best[0].score if best else 0.0
 
     def bound(self, i: int, j: int) -> float:
         """What the IoU of the worse shape can be on the pair's refined trunks; −1 if there are none."""
@@ -103,9 +103,9 @@ class Partners:
         for j in sorted(few, key=lambda j: (j != always, -bounds[j], j)):
             if ious and bounds[j] <= max(ious.values()):
                 continue
-            made = self.transform(i, j)
-            if isinstance(made, Transform):
-                ious[j] = min(overlap_ratios(made))
+            transform = self.transform(i, j)
+            if isinstance(transform, Transform):
+                ious[j] = min(overlap_ratios(transform))
         return ious
 
     def _plan(self, i: int, j: int) -> tuple[float, Callable[[], Transform]]:

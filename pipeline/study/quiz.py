@@ -70,8 +70,8 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     )
     transforms = {pair.file: _transform(finished, pair.file) for pair in pairs if pair.file}
     page = quiz_page(finished, pairs, transforms, reversible, answers)
-    found = _findings(finished, parameters, pairs, reversible, answers)
-    return replace(found, files={QUIZ: page.encode()})
+    findings = _findings(finished, parameters, pairs, reversible, answers)
+    return replace(findings, files={QUIZ: page.encode()})
 
 
 def right_answers(pairs: Sequence[Pair], scores: Sequence[float], threshold: float) -> int:
@@ -104,13 +104,13 @@ def _findings(
             for name, right in answers.right
         ),
     ]
-    told = ", ".join(f"{name} {right}" for name, right in answers.right)
+    scores_right = ", ".join(f"{name} {right}" for name, right in answers.right)
     return Findings(
         f"Quiz of {finished.mined.dataset}",
         f"{QUIZ} beside this page shows {count} pairs to judge. The paper's {PEOPLE} participants had {RIGHT:.0%} of "
-        f"theirs right; of these, above {parameters.threshold:g} = reversible, {told} of {count}. The run had found "
-        "its transforms by the same scores, and low QCRS was sought in the other half: this is no test of the scores, "
-        "but a measure of what people are up against.",
+        f"theirs right; of these, above {parameters.threshold:g} = reversible, {scores_right} of {count}. The run had "
+        "found its transforms by the same scores, and low QCRS was sought in the other half: this is no test of the "
+        "scores, but a measure of what people are up against.",
         _table(finished, pairs, reversible, parameters.threshold),
         [
             Sheet("Right answers", ("who", "right", "with the best threshold in hindsight"), judges),
@@ -133,28 +133,28 @@ def _reversibilities(pairs: Sequence[Pair], reversible: FloatArray) -> tuple[lis
 
 def _half(pairs: Sequence[Pair], reversible: FloatArray, which: bool) -> tuple[str, ...]:
     """Range of what is known of one half."""
-    own = [pair for pair in pairs if pair.reversible == which]
-    known = ([pair.worth for pair in own], [pair.quick for pair in own], [pair.cross for pair in own],
-             *_reversibilities(own, reversible))  # fmt: skip
-    return HALVES[which], str(len(own)), *(f"{min(values):.3f} – {max(values):.3f}" for values in known)
+    half = [pair for pair in pairs if pair.reversible == which]
+    known = ([pair.worth for pair in half], [pair.quick for pair in half], [pair.cross for pair in half],
+             *_reversibilities(half, reversible))  # fmt: skip
+    return HALVES[which], str(len(half)), *(f"{min(values):.3f} – {max(values):.3f}" for values in known)
 
 
 def _scatter(
     pairs: Sequence[Pair], x: Sequence[float], y: Sequence[float], x_name: str, y_name: str, line: float | None = None
 ) -> Figure:
     """The pairs of either half by two scores in [0, 1]."""
-    figure, found = plots.axes(x_name, y_name)
+    figure, plot = plots.axes(x_name, y_name)
     marks: Mapping[bool, tuple[str, str]] = {True: ("o", PIECES[0]), False: ("X", PIECES[2])}
     for which, name in HALVES.items():
-        own = [place for place, pair in enumerate(pairs) if pair.reversible == which]
+        half = [k for k, pair in enumerate(pairs) if pair.reversible == which]
         mark, colour = marks[which]
-        found.scatter([x[k] for k in own], [y[k] for k in own], 42, color=colour, marker=mark, label=name, alpha=0.85)
+        plot.scatter([x[k] for k in half], [y[k] for k in half], 42, color=colour, marker=mark, label=name, alpha=0.85)
     if line is not None:
-        found.axvline(line, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
-        found.axhline(line, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
-    found.set_xlim(-0.02, 1.02)
-    found.set_ylim(-0.02, 1.02)
-    found.legend(frameon=False, loc="lower left" if line is None else "upper left")
+        plot.axvline(line, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
+        plot.axhline(line, color=LIGHT["muted"], linewidth=0.8, linestyle=":")
+    plot.set_xlim(-0.02, 1.02)
+    plot.set_ylim(-0.02, 1.02)
+    plot.legend(frameon=False, loc="lower left" if line is None else "upper left")
     return figure
 
 

@@ -56,7 +56,7 @@ def choose(finished: Finished, partners: Partners, count: int, margin: float, rn
         replace(pair, left=pair.right, right=pair.left) if turn else pair
         for pair, turn in zip(pairs, turned, strict=True)
     ]
-    return [shown[place] for place in rng.permutation(len(shown)).tolist()]
+    return [shown[k] for k in rng.permutation(len(shown)).tolist()]
 
 
 def reversible_pairs(finished: Finished, count: int, rng: np.random.Generator) -> list[Pair]:
@@ -64,9 +64,9 @@ def reversible_pairs(finished: Finished, count: int, rng: np.random.Generator) -
 
     No shape is in two of them, nor, as long as there are others, is a pair of classes. Raises `StartError`.
     """
-    made = [row for row in finished.table("transforms").to_pylist() if row["status"] == "certified"]
-    best = (len(made) + 1) // 2
-    lots = [made[place] for place in rng.permutation(best).tolist()] + made[best:]
+    certified = [row for row in finished.table("transforms").to_pylist() if row["status"] == "certified"]
+    best = (len(certified) + 1) // 2
+    lots = [certified[k] for k in rng.permutation(best).tolist()] + certified[best:]
     chosen: list[Pair] = []
     used: set[int] = set()
     kinds: set[frozenset[str]] = set()
@@ -96,12 +96,12 @@ def _counterparts(
     # Without trunks QCRS and CRS are 0 for want of anything to compare, which shows no pair to be irreversible.
     free = np.isfinite(score) & (finished.values("shapes", "trunks") > 0)
     free[[number for pair in pairs for number in (pair.left, pair.right)]] = False
-    found: list[Pair] = []
+    counterparts: list[Pair] = []
     for pair in pairs:
         for (left, right), quick in _alike(finished, pair, score, free, rng):
             bound = partners.bound(left, right)
             if bound <= limit:
-                found.append(Pair(left, right, False, max(bound, 0.0), quick, partners.cross(left, right)))
+                counterparts.append(Pair(left, right, False, max(bound, 0.0), quick, partners.cross(left, right)))
                 free[[left, right]] = False
                 break
         else:
@@ -110,7 +110,7 @@ def _counterparts(
                 f"{finished.mined.folder}: no pair as reversible by its shapes as {names} has an IoU of {limit:.3f} or "
                 "less; give fewer pairs, a smaller margin, or a greater collection"
             )
-    return found
+    return counterparts
 
 
 def _alike(
@@ -130,9 +130,9 @@ def _alike(
     low = quick <= np.nanquantile(quick, LOW)
     grid, quick = grid[low], quick[low]
     apart = np.abs(score[grid] - score[[pair.left, pair.right]]).sum(axis=1)
-    for place in rng.permutation(np.argsort(apart, kind="stable")[:TRIED]).tolist():
-        left, right = grid[place].tolist()
-        yield (left, right), float(quick[place])
+    for k in rng.permutation(np.argsort(apart, kind="stable")[:TRIED]).tolist():
+        left, right = grid[k].tolist()
+        yield (left, right), float(quick[k])
 
 
 def _nearest(score: FloatArray, free: BoolArray, to: float) -> IntArray:

@@ -81,12 +81,12 @@ class Search:
         """QCRS, CRS and construction for every hidden shape."""
         scores = self.partners.quick_scores(len(self.hidden))
         self.clock.tick("QCRS")
-        found = []
+        recoveries = []
         for i, row in enumerate(scores):
-            found.append(self.follow(i, row))
+            recoveries.append(self.follow(i, row))
             if i % 20 == 19:
                 say(f"CRS and construction of {i + 1} of {len(self.hidden)} hidden shapes …")
-        return found
+        return recoveries
 
     def follow(self, i: int, quick: FloatArray) -> Found:
         """What becomes of the partner of hidden shape i, whose QCRS with all shapes are ``quick``."""
@@ -105,7 +105,7 @@ class Search:
         full_lost = next(filter(None, (self._failed_test(k, False) for k in (i, mate))), "")
         self.clock.tick("looking for the true trunks")
         pair = self.pairs[i // 2]
-        found = Found(
+        recovery = Found(
             name=self.hidden[i].shape.name,
             n=pair.n,
             topology=pair.topology,
@@ -120,21 +120,21 @@ class Search:
             first=partners.shapes[first].name if ious else "",
             first_iou=ious[first] if ious else math.nan,
         )
-        return replace(found, cause=self._cause(found, i, few))
+        return replace(recovery, cause=self._cause(recovery, i, few))
 
     def _failed_test(self, k: int, quick: bool) -> str:
         trunks = self.partners.quick[k] if quick else self.partners.side(k).trunks
         return failed_test(self.hidden[k], trunks, quick, self.partners.parameters)
 
-    def _cause(self, found: Found, i: int, few: Sequence[int]) -> str:
+    def _cause(self, recovery: Found, i: int, few: Sequence[int]) -> str:
         """Where the partner was lost; "" if it is first in the end."""
-        if found.final_rank == 1:
+        if recovery.final_rank == 1:
             return ""
-        if found.cross_rank is None:
-            return f"QCRS: {found.quick_lost or 'others score higher'}"
+        if recovery.cross_rank is None:
+            return f"QCRS: {recovery.quick_lost or 'others score higher'}"
         if i ^ 1 not in few:
-            return f"CRS: {found.full_lost or 'others score higher'}"
-        if found.final_rank is None:
+            return f"CRS: {recovery.full_lost or 'others score higher'}"
+        if recovery.final_rank is None:
             refusal = self.partners.transform(i, i ^ 1)
             return f"construction: {getattr(refusal, 'reason', 'refused')}"
         return "construction: another has a higher IoU"
@@ -142,7 +142,7 @@ class Search:
     def closeness(self, number: int) -> Closeness:
         """IoU of one pair from its polygons and from its pictures on the true trunks, and as the search finds it."""
         pair = self.pairs[number]
-        polygons = [polygon_shape(each) for each in (pair.exact.p, pair.exact.q)]
+        polygons = [polygon_shape(polygon) for polygon in (pair.exact.p, pair.exact.q)]
         moved = [polygons[0].from_source(pair.exact.trunk_p), polygons[1].from_source(pair.exact.trunk_q)]
         ways: list[Transform | RiotError] = [
             attempt(lambda: construct(polygons[0], polygons[1], trunks=(moved[0], moved[1]))),
@@ -150,11 +150,11 @@ class Search:
             self.partners.transform(2 * number, 2 * number + 1),
         ]
         self.clock.tick("construction on given trunks")
-        refusals = tuple("" if isinstance(made, Transform) else str(made) for made in ways)
-        polygon, given, found = (
-            min(overlap_ratios(made)) if isinstance(made, Transform) else math.nan for made in ways
+        refusals = tuple("" if isinstance(result, Transform) else str(result) for result in ways)
+        polygon, on_trunks, searched = (
+            min(overlap_ratios(result)) if isinstance(result, Transform) else math.nan for result in ways
         )
-        return Closeness(f"hidden{number:03d}", pair.n, polygon, given, found, refusals)
+        return Closeness(f"hidden{number:03d}", pair.n, polygon, on_trunks, searched, refusals)
 
 
 def _rank(scores: FloatArray, number: int) -> int:
@@ -179,41 +179,51 @@ class Figure:
         return self.good / self.of
 
 
-def figures(found: Sequence[Found], close: Sequence[Closeness], keep: int) -> list[Figure]:
+def figures(recoveries: Sequence[Found], close: Sequence[Closeness], keep: int) -> list[Figure]:
     """All shares."""
     tests: list[tuple[str, float | None, Callable[[Found], bool]]] = [
-        ("QCRS: a trunk near the true one, both shapes", None, lambda one: one.quick_lost == ""),
-        ("QCRS: partner first", None, lambda one: one.quick_rank == 1),
-        ("QCRS: among the first three", None, lambda one: one.quick_rank <= 3),
-        (f"QCRS: among the first {keep}", None, lambda one: one.cross_rank is not None),
-        ("CRS: a trunk near the true one, both shapes", None, lambda one: one.full_lost == ""),
-        ("CRS: partner first", None, lambda one: one.cross_rank == 1),
-        ("CRS: among the first three", 0.9, lambda one: one.cross_rank is not None and one.cross_rank <= 3),
-        ("construction: partner first by IoU", 0.95, lambda one: one.final_rank == 1),
+        ("QCRS: a trunk near the true one, both shapes", None, lambda recovery: recovery.quick_lost == ""),
+        ("QCRS: partner first", None, lambda recovery: recovery.quick_rank == 1),
+        ("QCRS: among the first three", None, lambda recovery: recovery.quick_rank <= 3),
+        (f"QCRS: among the first {keep}", None, lambda recovery: recovery.cross_rank is not None),
+        ("CRS: a trunk near the true one, both shapes", None, lambda recovery: recovery.full_lost == ""),
+        ("CRS: partner first", None, lambda recovery: recovery.cross_rank == 1),
+        (
+            "CRS: among the first three",
+            0.9,
+            lambda recovery: recovery.cross_rank is not None and recovery.cross_rank <= 3,
+        ),
+        ("construction: partner first by IoU", 0.95, lambda recovery: recovery.final_rank == 1),
     ]
-    rows = [_figure(name, target, [(one.n, test(one)) for one in found], 2) for name, target, test in tests]
+    rows = [
+        _figure(name, target, [(recovery.n, test(recovery)) for recovery in recoveries], 2)
+        for name, target, test in tests
+    ]
     # What ranking costs: the partner's own trunks, refined, may be better than all that got so far.
-    above = [(one.n, close[k // 2].found >= one.first_iou or one.final_rank == 1) for k, one in enumerate(found)]
+    above = [
+        (recovery.n, close[k // 2].found >= recovery.first_iou or recovery.final_rank == 1)
+        for k, recovery in enumerate(recoveries)
+    ]
     rows.append(_figure("IoU with the partner above all constructed", None, above, 2))
     for which, words in WAYS.items():
         aim = POLYGONS if which == "polygons" else PICTURES
-        results = [(one.n, getattr(one, which) >= aim) for one in close]
+        results = [(recovery.n, getattr(recovery, which) >= aim) for recovery in close]
         rows.append(_figure(f"IoU ≥ {aim}: {words}", None, results, 1))
     return rows
 
 
 def _figure(name: str, target: float | None, results: Sequence[tuple[int, bool]], together: int) -> Figure:
-    good, of = sum(ok for _, ok in results), len(results)
+    good, total = sum(ok for _, ok in results), len(results)
     sizes = sorted({n for n, _ in results})
     by_n = {n: (sum(ok for m, ok in results if m == n), sum(m == n for m, _ in results)) for n in sizes}
-    return Figure(name, good, of, *wilson(good, of, together), target, by_n)
+    return Figure(name, good, total, *wilson(good, total, together), target, by_n)
 
 
 def quantiles(close: Sequence[Closeness]) -> dict[str, dict[str, float]]:
     """IoU of the worse shape, of the pairs that were constructed."""
     rows = {}
     for which in WAYS:
-        ious = np.array([getattr(one, which) for one in close])
+        ious = np.array([getattr(closeness, which) for closeness in close])
         good = ious[~np.isnan(ious)]
         row = {word: float(np.quantile(good, q)) if len(good) else math.nan for word, q in QUANTILES.items()}
         rows[which] = {**row, "refused": float(len(ious) - len(good))}

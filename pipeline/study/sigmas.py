@@ -72,25 +72,27 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     partners = Partners(finished.shapes, settings.trunks, settings.refine, settings.crs)
     say(f"CRS of {len(pairs)} pairs …")
     cross = np.array([partners.cross(i, j) for i, j in pairs.tolist()])
-    found: list[tuple[QcrsVariant, QcrsParameters, Agreement]] = []
+    agreements: list[tuple[QcrsVariant, QcrsParameters, Agreement]] = []
     batches: dict[QcrsVariant, list[TrunkStack]] = {}
-    for variant, own in QCRS_VARIANTS.items():
+    for variant, own_sigmas in QCRS_VARIANTS.items():
         say(f"QCRS on the trunks of the {variant} variant …")
         trunks = [compared_trunks(shape, variant, settings.trunks) for shape in finished.shapes]
         stacked = stack(trunks)
         size = math.ceil(len(drawn) / math.ceil(len(drawn) / settings.batch))
         batches[variant] = [
-            stack([trunks[k] for k in drawn[at : at + size].tolist()]) for at in range(0, len(drawn), size)
+            stack([trunks[k] for k in drawn[start : start + size].tolist()]) for start in range(0, len(drawn), size)
         ]
-        for value in sorted({*parameters.sigma_area, own.sigma_area}):
-            sigmas = replace(own, sigma_area=value)
+        for value in sorted({*parameters.sigma_area, own_sigmas.sigma_area}):
+            sigmas = replace(own_sigmas, sigma_area=value)
             quick = score_pairs(stacked, stacked, pairs, sigmas).score
-            found.append((variant, sigmas, agreement(quick, cross, parameters.draws, parameters.seed)))
+            agreements.append((variant, sigmas, agreement(quick, cross, parameters.draws, parameters.seed)))
     say(f"prices, {parameters.repeats} times …")
-    prices = _prices([(batches[variant], sigmas) for variant, sigmas, _ in found], batches["paper"], parameters.repeats)
+    prices = _prices(
+        [(batches[variant], sigmas) for variant, sigmas, _ in agreements], batches["paper"], parameters.repeats
+    )
     choices = [
         Choice(variant, sigmas, sigmas == QCRS_VARIANTS[variant], agreed, price)
-        for (variant, sigmas, agreed), price in zip(found, prices, strict=True)
+        for (variant, sigmas, agreed), price in zip(agreements, prices, strict=True)
     ]
     return _findings(finished, choices)
 
@@ -108,42 +110,43 @@ def _prices(
 
 def _seconds(batches: Sequence[TrunkStack], sigmas: QcrsParameters) -> float:
     begun = time.process_time()
-    for one, other in combinations_with_replacement(batches, 2):
-        score_block(one, other, sigmas)
+    for first, second in combinations_with_replacement(batches, 2):
+        score_block(first, second, sigmas)
     return time.process_time() - begun
 
 
 def _findings(finished: Finished, choices: Sequence[Choice]) -> Findings:
     # Said of orders alone: the lead goes into the table, and prices differ between equal runs.
-    own = "; ".join(
-        f"{each.agreed.alike} of {each.agreed.drawn} draws ({each.agreed.low:.1%} to {each.agreed.high:.1%}) by "
-        f"{each.sigmas.sigma_area:g} on the trunks of the {each.variant} variant"
-        for each in choices
-        if each.own
+    own_orders = "; ".join(
+        f"{choice.agreed.alike} of {choice.agreed.drawn} draws ({choice.agreed.low:.1%} to {choice.agreed.high:.1%}) "
+        f"by {choice.sigmas.sigma_area:g} on the trunks of the {choice.variant} variant"
+        for choice in choices
+        if choice.own
     )
     rows = [
         (
-            each.variant + ", its own" * each.own,
-            f"{each.sigmas.sigma_area:g}",
-            f"{each.agreed.alike} of {each.agreed.drawn}",
-            f"{each.agreed.low:.1%} – {each.agreed.high:.1%}",
+            choice.variant + ", its own" * choice.own,
+            f"{choice.sigmas.sigma_area:g}",
+            f"{choice.agreed.alike} of {choice.agreed.drawn}",
+            f"{choice.agreed.low:.1%} – {choice.agreed.high:.1%}",
             *(
                 f"{value:.3f}"
-                for value in (each.agreed.share, each.agreed.halved, each.agreed.kendall, each.agreed.spearman)
+                for value in (choice.agreed.share, choice.agreed.halved, choice.agreed.kendall, choice.agreed.spearman)
             ),
-            f"{each.price:.2f} ×",
+            f"{choice.price:.2f} ×",
         )
-        for each in choices
+        for choice in choices
     ]
     return Findings(
         f"σ_A of QCRS on {finished.mined.dataset}",
-        f"Two random pairs of shapes are ordered as by CRS in {own}. A greater σ_A orders more alike and costs more.",
+        f"Two random pairs of shapes are ordered as by CRS in {own_orders}. "
+        "A greater σ_A orders more alike and costs more.",
         _table(choices),
         [Sheet("Order and price",
                ("trunks", "σ_A", "alike", "95 %", "of all", "ties half", "Kendall", "Spearman", "price"), rows)],
         {"sigmas": (
             plots.curves(
-                {variant: [(each.price, each.agreed.share) for each in choices if each.variant == variant]
+                {variant: [(choice.price, choice.agreed.share) for choice in choices if choice.variant == variant]
                  for variant in QCRS_VARIANTS},
                 "CPU time / the paper variant's", "share ordered as by CRS",
             ),
@@ -158,15 +161,15 @@ def _table(choices: Sequence[Choice]) -> pa.Table:
         "Agreement of QCRS with CRS by σ_A.",
         [
             *_named(choices),
-            (column("own", pa.bool_(), "whether this is the variant's own"), [each.own for each in choices]),
-            (column("alike", pa.int32(), "draws ordered alike", "count"), [each.agreed.alike for each in choices]),
-            (column("drawn", pa.int32(), "draws", "count"), [each.agreed.drawn for each in choices]),
+            (column("own", pa.bool_(), "whether this is the variant's own"), [choice.own for choice in choices]),
+            (column("alike", pa.int32(), "draws ordered alike", "count"), [choice.agreed.alike for choice in choices]),
+            (column("drawn", pa.int32(), "draws", "count"), [choice.agreed.drawn for choice in choices]),
             (column("share", pa.float64(), "share of all pairs of pairs ordered alike"),
-             [each.agreed.share for each in choices]),
+             [choice.agreed.share for choice in choices]),
             (column("halved", pa.float64(), "the same, those that QCRS ties counting half"),
-             [each.agreed.halved for each in choices]),
-            (column("kendall", pa.float64(), "Kendall's τ_b"), [each.agreed.kendall for each in choices]),
-            (column("spearman", pa.float64(), "Spearman's ρ"), [each.agreed.spearman for each in choices]),
+             [choice.agreed.halved for choice in choices]),
+            (column("kendall", pa.float64(), "Kendall's τ_b"), [choice.agreed.kendall for choice in choices]),
+            (column("spearman", pa.float64(), "Spearman's ρ"), [choice.agreed.spearman for choice in choices]),
         ],
     )  # fmt: skip
 
@@ -174,8 +177,11 @@ def _table(choices: Sequence[Choice]) -> pa.Table:
 def _named(choices: Sequence[Choice]) -> list[tuple[pa.Field, list[Any]]]:
     """The columns that tell a row of both tables from the others."""
     return [
-        (column("variant", pa.string(), "variant whose trunks are compared"), [each.variant for each in choices]),
-        (column("sigma_area", pa.float64(), "sigma of the area term"), [e.sigmas.sigma_area for e in choices]),
+        (column("variant", pa.string(), "variant whose trunks are compared"), [choice.variant for choice in choices]),
+        (
+            column("sigma_area", pa.float64(), "sigma of the area term"),
+            [choice.sigmas.sigma_area for choice in choices],
+        ),
     ]
 
 
@@ -185,6 +191,6 @@ def _times(choices: Sequence[Choice]) -> pa.Table:
         [
             *_named(choices),
             (column("price", pa.float64(), "CPU time as a multiple of the paper variant's", "1"),
-             [each.price for each in choices]),
+             [choice.price for choice in choices]),
         ],
     )  # fmt: skip

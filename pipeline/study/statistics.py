@@ -87,7 +87,7 @@ def agreement(score: FloatArray, reference: FloatArray, draws: int, seed: int) -
 
 def precision(score: FloatArray, reference: FloatArray, count: int) -> float:
     """The share of the ``count`` best by ``score`` that are among the ``count`` best by ``reference``."""
-    best = [set(np.argsort(-each, kind="stable")[:count].tolist()) for each in (score, reference)]
+    best = [set(np.argsort(-values, kind="stable")[:count].tolist()) for values in (score, reference)]
     return len(best[0] & best[1]) / min(count, len(score))
 
 
@@ -95,10 +95,10 @@ def calibration(score: FloatArray, reference: FloatArray, bins: int) -> list[tup
     """The reference by equally full ``bins`` of the score: mean score, and the reference's quartiles."""
     order = np.argsort(score, kind="stable")
     rows = []
-    for part in np.array_split(order, bins):
-        if len(part):
-            low, middle, high = np.quantile(reference[part], (0.25, 0.5, 0.75)).tolist()
-            rows.append((float(score[part].mean()), low, middle, high))
+    for bin_rows in np.array_split(order, bins):
+        if len(bin_rows):
+            low, middle, high = np.quantile(reference[bin_rows], (0.25, 0.5, 0.75)).tolist()
+            rows.append((float(score[bin_rows].mean()), low, middle, high))
     return rows
 
 

@@ -47,9 +47,9 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     counts = _counts(finished)
     ours = []
     for step in STEPS:
-        parts = [_seconds(rows, stage, counts) for stage in step.stages]
-        ours.append(sum(parts))
-    faster = [step.paper / mine for step, mine in zip(STEPS, ours, strict=True)]
+        stage_seconds = [_seconds(rows, stage, counts) for stage in step.stages]
+        ours.append(sum(stage_seconds))
+    faster = [step.paper / seconds for step, seconds in zip(STEPS, ours, strict=True)]
     table = of_columns(
         "Time of each step of the method, beside the paper's.",
         [
@@ -61,8 +61,8 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
         ],
     )
     cells = [
-        (step.name, step.unit, _said(step.paper), _said(mine), f"{ratio:,.0f} ×" if math.isfinite(ratio) else "–")
-        for step, mine, ratio in zip(STEPS, ours, faster, strict=True)
+        (step.name, step.unit, _said(step.paper), _said(seconds), f"{ratio:,.0f} ×" if math.isfinite(ratio) else "–")
+        for step, seconds, ratio in zip(STEPS, ours, faster, strict=True)
     ]
     figure = plots.bars(
         [step.name for step in STEPS], {"paper": [step.paper for step in STEPS], "this run": ours}, "seconds an item"

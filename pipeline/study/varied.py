@@ -72,9 +72,9 @@ def vary(
     say("candidate trunks by the run's own parameters …")
     common = _outcome(hidden, shapes, default)
     for name, chosen in values.items():
-        own = float(getattr(default, name))
-        for value in sorted({*chosen, own}):
-            if value == own:
+        run_value = float(getattr(default, name))
+        for value in sorted({*chosen, run_value}):
+            if value == run_value:
                 yield replace(common, parameter=name, value=value, default=True)
             else:
                 say(f"candidate trunks with {name}={value:g} …")
@@ -84,10 +84,16 @@ def vary(
 
 def _outcome(hidden: Sequence[Hidden], shapes: Sequence[Shape], parameters: TrunkParameters) -> Outcome:
     begun = time.process_time()
-    found = [full_trunks(one.shape, parameters) for one in hidden]
+    hidden_trunks = [full_trunks(hidden_shape.shape, parameters) for hidden_shape in hidden]
     others = [full_trunks(shape, parameters) for shape in shapes]
     seconds = (time.process_time() - begun) / (len(hidden) + len(shapes))
-    error = np.array([nearest(one, trunks) for one, trunks in zip(hidden, found, strict=True)]) / L_C
-    lost = Counter(failed_test(one, trunks, False, parameters) for one, trunks in zip(hidden, found, strict=True))
+    error = (
+        np.array([nearest(hidden_shape, trunks) for hidden_shape, trunks in zip(hidden, hidden_trunks, strict=True)])
+        / L_C
+    )
+    lost = Counter(
+        failed_test(hidden_shape, trunks, False, parameters)
+        for hidden_shape, trunks in zip(hidden, hidden_trunks, strict=True)
+    )
     del lost[""]
     return Outcome("", math.nan, False, error, lost, np.array([len(trunks) for trunks in others]), seconds)

@@ -40,21 +40,21 @@ def measures(folder: Path) -> dict[str, int | float | None]:
     record = read_record(folder)
     if record is None:
         raise StartError(f"{folder}: no finished run here; `python -m pipeline.run` makes one")
-    found: dict[str, int | float | None] = dict(record["counts"])
+    values_by_name: dict[str, int | float | None] = dict(record["counts"])
     scores = {
         "crs": [row["score"] for row in rows(folder, "crs")],
         "iou": [row["iou"] for row in rows(folder, "transforms") if row["status"] == "certified"],
     }
     for score, values in scores.items():
         for name, quantile in QUANTILES.items():
-            found[f"{score}_{name}"] = float(np.quantile(values, quantile, method="lower")) if values else None
-    return found
+            values_by_name[f"{score}_{name}"] = float(np.quantile(values, quantile, method="lower")) if values else None
+    return values_by_name
 
 
 def rows(folder: Path, name: str) -> list[Row]:
     """Rows of a run's table."""
-    found: list[Row] = pq.read_table(folder / f"{name}.parquet").to_pylist()
-    return found
+    table_rows: list[Row] = pq.read_table(folder / f"{name}.parquet").to_pylist()
+    return table_rows
 
 
 def write_measures(run: Path, target: Path) -> None:
@@ -78,9 +78,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("run", type=Path, help="folder of a finished run, such as outputs/sample")
     parser.add_argument("-o", "--output", type=Path, required=True, help="folder to write to")
-    given = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
-        write_measures(given.run, given.output)
+        write_measures(options.run, options.output)
     except StartError as error:
         print(f"Cannot start: {error}", file=sys.stderr)
         return BAD_START

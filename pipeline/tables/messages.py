@@ -20,9 +20,9 @@ def remarks(counts: Mapping[str, int], policy: str) -> list[str]:
     ]
 
 
-def several(count: int, one: str, more: str = "") -> str:
-    """A number with its noun: ``1 shape``, ``2 shapes``; ``more`` is the plural, if it is not one with an s."""
-    return f"{count:,} {one if count == 1 else more or one + 's'}"
+def several(count: int, singular: str, plural: str = "") -> str:
+    """A number with its noun: ``1 shape``, ``2 shapes``; ``plural`` is the plural, if it is not one with an s."""
+    return f"{count:,} {singular if count == 1 else plural or singular + 's'}"
 
 
 def _trunks(counts: Mapping[str, int]) -> list[str]:
@@ -63,18 +63,18 @@ def _motions(counts: Mapping[str, int]) -> list[str]:
     planned, flat = counts.get("planned", 0), counts.get("swing_flat", 0)
     if planned == 0:
         return []
-    said = f"{flat:,} of {several(planned, 'transform')} ({flat / planned:.0%}) can swing flat"
+    sentence = f"{flat:,} of {several(planned, 'transform')} ({flat / planned:.0%}) can swing flat"
     if flat < planned:
-        said += "; the others need telescopic hinges (column lifted_hinges of transforms.parquet)"
-    return [f"{said}."]
+        sentence += "; the others need telescopic hinges (column lifted_hinges of transforms.parquet)"
+    return [f"{sentence}."]
 
 
 def _puzzles(counts: Mapping[str, int]) -> list[str]:
-    made, not_made = counts.get("puzzles", 0), counts.get("no_puzzles", 0)
-    if made + not_made == 0:
+    certified, refused = counts.get("puzzles", 0), counts.get("no_puzzles", 0)
+    if certified + refused == 0:
         return []
-    said = f"{made:,} of {several(made + not_made, 'puzzle')} certified, in print/"
-    return [f"{said}; fabrications.parquet says why the others cannot be made." if not_made else f"{said}."]
+    sentence = f"{certified:,} of {several(certified + refused, 'puzzle')} certified, in print/"
+    return [f"{sentence}; fabrications.parquet says why the others cannot be made." if refused else f"{sentence}."]
 
 
 def _textures(counts: Mapping[str, int]) -> list[str]:

@@ -36,21 +36,21 @@ def stage_values(results: Results, table: str, members: tuple[int, ...], items: 
     ``items`` are the pair's work items by stage.
     """
     row: Row = {}
-    for stage, part in of_table(table):
+    for stage, added in of_table(table):
         artifact = results.artifact(items.get(stage.name))
         if artifact is not None:
-            values = part.values(artifact)
-            row |= {column.name: values[column.name] for column in part.columns if column.name in values}
+            values = added.values(artifact)
+            row |= {column.name: values[column.name] for column in added.columns if column.name in values}
     return row
 
 
 def items_of_pairs(results: Results, table: str) -> dict[tuple[int, ...], dict[str, WorkItem]]:
     """Work items of the stages that add to a table, by pair and stage."""
-    found: dict[tuple[int, ...], dict[str, WorkItem]] = {}
+    items: dict[tuple[int, ...], dict[str, WorkItem]] = {}
     for stage, _ in of_table(table):
         for members, item in results.by_members(stage.name).items():
-            found.setdefault(members, {})[stage.name] = item
-    return found
+            items.setdefault(members, {})[stage.name] = item
+    return items
 
 
 def selected_rows(results: Results) -> Iterator[Row]:
@@ -89,14 +89,14 @@ def write_qcrs(results: Results, folder: Path) -> list[Path]:
 
 def _block_row(results: Results, a: int) -> pa.Table:
     """All pairs that there are with the first shape in batch ``a``, ordered by i and j."""
-    parts = []
-    for part in _collected(results, a) if "pairs" in results.progress.work else _blocks(results, a):
-        part |= {name: results.numbers[part[name]] for name in ("i", "j")}
-        keep = (part["i"] >= 0) & (part["j"] >= 0)
-        parts.append({name: column[keep] for name, column in part.items()})
-    if not parts:
+    blocks = []
+    for block in _collected(results, a) if "pairs" in results.progress.work else _blocks(results, a):
+        block |= {name: results.numbers[block[name]] for name in ("i", "j")}
+        keep = (block["i"] >= 0) & (block["j"] >= 0)
+        blocks.append({name: column[keep] for name, column in block.items()})
+    if not blocks:
         return SCHEMAS["qcrs"].empty_table()
-    columns = {name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}
+    columns = {name: np.concatenate([block[name] for block in blocks]) for name in COLUMNS}
     # Blocks are ordered by (i, j), and all of one block's j come before the next one's.
     order = np.argsort(columns["i"], kind="stable")
     return from_columns(SCHEMAS["qcrs"], **{name: column[order] for name, column in columns.items()})

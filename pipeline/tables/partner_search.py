@@ -46,16 +46,18 @@ class Search:
 
     def schema(self) -> pa.Schema:
         """The schema of `qcrs` with these numbers and another meaning in its metadata."""
-        told = asdict(self)
+        numbers = asdict(self)
         if not self.missed:
-            del told["missed"]  # as a rule: the table of a search without failures says nothing of them
-        said = {name.encode(): str(value).encode() for name, value in told.items()}
+            del numbers["missed"]  # as a rule: the table of a search without failures says nothing of them
+        encoded = {name.encode(): str(value).encode() for name, value in numbers.items()}
         meaning = f"Quick cross-reversibility score (paper §5.2) of {self.meaning} (ours).".encode()
-        return tables.SCHEMAS["qcrs"].with_metadata({**tables.SCHEMAS["qcrs"].metadata, b"meaning": meaning, **said})
+        return tables.SCHEMAS["qcrs"].with_metadata({**tables.SCHEMAS["qcrs"].metadata, b"meaning": meaning, **encoded})
 
 
 def read_search(metadata: Mapping[bytes, bytes] | None) -> Search | None:
     """What `Search.schema` wrote; None for the table of all pairs."""
-    found = metadata or {}
-    told = {field.name: int(found[field.name.encode()]) for field in fields(Search) if field.name.encode() in found}
-    return Search(**told) if {"k", "shapes", "compared"} <= told.keys() else None
+    encoded = metadata or {}
+    numbers = {
+        field.name: int(encoded[field.name.encode()]) for field in fields(Search) if field.name.encode() in encoded
+    }
+    return Search(**numbers) if {"k", "shapes", "compared"} <= numbers.keys() else None

@@ -32,18 +32,22 @@ def write_puzzles(results: Results, transforms: Sequence[Row], folder: Path) -> 
             continue
         p, q = (int(results.numbers[position]) for position in item.members)
         transform = of_pair[p, q]
-        place = f"{FOLDER}/{Path(transform['file']).stem}" if artifact.arrays else ""
+        puzzle_folder = f"{FOLDER}/{Path(transform['file']).stem}" if artifact.arrays else ""
         for name, data in artifact.arrays.items():
-            target = temporary / Path(place).name / name
+            target = temporary / Path(puzzle_folder).name / name
             target.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(target, data.tobytes())
-            files.append(folder / place / name)
-        rows.append(_row(transform, artifact.document, place))
+            files.append(folder / puzzle_folder / name)
+        rows.append(_row(transform, artifact.document, puzzle_folder))
     replace_folder(temporary, folder / FOLDER)
     rows.sort(key=lambda row: int(row["rank"]))
     return [write_table(folder, "fabrications", [from_rows(tables.SCHEMAS["fabrications"], rows)]), *files]
 
 
-def _row(transform: Row, document: Mapping[str, object], place: str) -> Row:
-    own = [name for name in tables.SCHEMAS["fabrications"].names if name not in (*SHARED, "folder")]
-    return {**{name: transform[name] for name in SHARED}, **{name: document.get(name) for name in own}, "folder": place}
+def _row(transform: Row, document: Mapping[str, object], puzzle_folder: str) -> Row:
+    columns = [name for name in tables.SCHEMAS["fabrications"].names if name not in (*SHARED, "folder")]
+    return {
+        **{name: transform[name] for name in SHARED},
+        **{name: document.get(name) for name in columns},
+        "folder": puzzle_folder,
+    }

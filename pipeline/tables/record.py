@@ -95,18 +95,24 @@ def counts(results: Results) -> dict[str, int]:
     ``refused_textures`` the pictures that may have colours and can be no texture; ``blocked`` the work items
     that were not tried because an input had failed.
     """
-    made = [results.artifact(item) for item in results.work["construct"]]
-    statuses = [artifact.document["status"] for artifact in made if artifact is not None]
+    constructions = [results.artifact(item) for item in results.work["construct"]]
+    statuses = [artifact.document["status"] for artifact in constructions if artifact is not None]
     motions = [results.artifact(item) for item in results.work["motion"]]
-    flat = [bool(one.document["swings_flat"]) for one in motions if one is not None and "swings_flat" in one.document]
+    flat = [
+        bool(artifact.document["swings_flat"])
+        for artifact in motions
+        if artifact is not None and "swings_flat" in artifact.document
+    ]
     printed = [results.artifact(item) for item in results.work.get("fabricate", ())]
-    puzzles = [one.document["status"] for one in printed if one is not None and "status" in one.document]
+    puzzles = [
+        artifact.document["status"] for artifact in printed if artifact is not None and "status" in artifact.document
+    ]
     painted = [(item, results.artifact(item)) for item in results.work.get("paint", ())]
     refused = {
         item.members[SIDES.index(row["side"])]
-        for item, one in painted
-        if one is not None
-        for row in one.document.get("refused", ())
+        for item, artifact in painted
+        if artifact is not None
+        for row in artifact.document.get("refused", ())
     }
     shapes = results.shapes
     return {
@@ -148,6 +154,6 @@ def holds(folder: Path, digest: str) -> bool:
     if record is None or record.get("outcome") != digest or REPORT not in record["files"]:
         return False
     try:
-        return all(digest_bytes((folder / name).read_bytes()) == found for name, found in record["files"].items())
+        return all(digest_bytes((folder / name).read_bytes()) == written for name, written in record["files"].items())
     except OSError:
         return False

@@ -139,8 +139,8 @@ class Results:
         if failure is not None:
             message = failure.message  # an error of the system names the file with its whole path
             for position in item.members:
-                of = self.progress.items[position]
-                message = message.replace(of.source, of.shown_source)
+                collection_item = self.progress.items[position]
+                message = message.replace(collection_item.source, collection_item.shown_source)
             for name in self._names(item):
                 yield _error(name, stage, item.key, failure.type, failure.reason, message, failure.attempts)
             return

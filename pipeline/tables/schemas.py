@@ -111,9 +111,19 @@ def _table(name: str) -> pa.Schema:
 
 
 def _schema(meaning: str, columns: Sequence[Column]) -> pa.Schema:
-    first = {of.name: of for of in reversed(columns)}  # two stages may give one column, the later one's value counts
-    ordered = [first[name] for name in dict.fromkeys(of.name for of in columns)]
-    return schema(meaning, *(column(of.name, arrow_type(of.kind), of.meaning, of.unit) for of in ordered))
+    first = {
+        column_of_stage.name: column_of_stage for column_of_stage in reversed(columns)
+    }  # two stages may give one column, the later one's value counts
+    ordered = [first[name] for name in dict.fromkeys(column_of_stage.name for column_of_stage in columns)]
+    return schema(
+        meaning,
+        *(
+            column(
+                column_of_stage.name, arrow_type(column_of_stage.kind), column_of_stage.meaning, column_of_stage.unit
+            )
+            for column_of_stage in ordered
+        ),
+    )
 
 
 ERRORS = _schema(

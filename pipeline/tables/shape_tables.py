@@ -25,15 +25,17 @@ def shape_rows(results: Results) -> Iterator[pa.Table]:
     added = of_table("shapes")
     for number, batch in enumerate(results.progress.batches):
         columns: list[Mapping[str, Any]] = []
-        for stage, part in added:
+        for stage, stage_columns in added:
             artifact = results.artifact(results.progress.work[stage.name][number])
-            columns.append({} if artifact is None else part.values(artifact))
+            columns.append({} if artifact is None else stage_columns.values(artifact))
         rows: list[Row] = []
         for index, position in enumerate(batch):
             if results.numbers[position] < 0:
                 continue
             item = results.progress.items[position]
-            values = {name: _plain(column[index]) for part in columns for name, column in part.items()}
+            values = {
+                name: _plain(column[index]) for stage_columns in columns for name, column in stage_columns.items()
+            }
             rows.append(
                 {
                     "shape": int(results.numbers[position]),
@@ -49,12 +51,12 @@ def shape_rows(results: Results) -> Iterator[pa.Table]:
 
 def stage_rows(results: Results, table: str) -> Iterator[pa.Table]:
     """A stage's own table, batch by batch: its columns after the numbers of the shapes that they are of."""
-    ((stage, part),) = of_table(table)
+    ((stage, added),) = of_table(table)
     for batch, item in zip(results.progress.batches, results.progress.work[stage.name], strict=True):
         artifact = results.artifact(item)
         if artifact is None:
             continue
-        columns = dict(part.values(artifact))
+        columns = dict(added.values(artifact))
         numbers = results.numbers[batch.start : batch.stop]
         index = columns.pop("index", None)
         numbers = numbers if index is None else numbers[index]

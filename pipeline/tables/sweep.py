@@ -51,13 +51,13 @@ def write_sweep(outputs: Path, jobs: Sequence[Job]) -> Path:
     for name in names:
         columns[name], kinds[name] = _alike([job.values[name] for job in jobs])
     # Of equal jobs the last, whose tables are the ones that are there.
-    places = {values: place for place, values in enumerate(zip(*columns.values(), strict=True))}
-    ordered = sorted(places, key=lambda values: [(value is not None, value) for value in values])
-    found = [(dict(zip(names, values, strict=True)), jobs[places[values]]) for values in ordered]
+    last_job = {values: number for number, values in enumerate(zip(*columns.values(), strict=True))}
+    ordered = sorted(last_job, key=lambda values: [(value is not None, value) for value in values])
+    ordered_jobs = [(dict(zip(names, values, strict=True)), jobs[last_job[values]]) for values in ordered]
     folder = outputs / (PREFIX + ",".join(names))
     folder.mkdir(parents=True, exist_ok=True)
-    _write(folder / "sweep.parquet", tables.SWEEP, kinds, [values | _row(job, outputs) for values, job in found])
-    stages = [values | stage for values, job in found if job.folder for stage in rows(job.folder, "timings")]
+    _write(folder / "sweep.parquet", tables.SWEEP, kinds, [values | _row(job, outputs) for values, job in ordered_jobs])
+    stages = [values | stage for values, job in ordered_jobs if job.folder for stage in rows(job.folder, "timings")]
     _write(folder / "timings.parquet", tables.TIMINGS, kinds, stages)
     return folder
 
@@ -66,8 +66,8 @@ def _row(job: Job, outputs: Path) -> Row:
     row: Row = {"status": STATUSES[job.code], "message": job.message}
     if job.folder is None:
         return row
-    found = {name: value for name, value in measures(job.folder).items() if name in tables.SWEEP.names}
-    return row | found | {"folder": Path(os.path.relpath(job.folder, outputs)).as_posix()}
+    numbers = {name: value for name, value in measures(job.folder).items() if name in tables.SWEEP.names}
+    return row | numbers | {"folder": Path(os.path.relpath(job.folder, outputs)).as_posix()}
 
 
 def _write(path: Path, schema: pa.Schema, kinds: Mapping[str, pa.DataType], rows: Sequence[Row]) -> None:
