@@ -26,7 +26,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.study.partners import Clock, Partners
+from pipeline.study.partners import Clock, StudiedPartners
 from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
@@ -106,7 +106,7 @@ class Outcome:
 def run_way(name: str, way: Way, asked: Sequence[Shape], among: Sequence[Shape]) -> Outcome:
     """The best partner of every shape that is asked for."""
     clock = Clock()
-    partners = Partners([*asked, *among], way.trunks, way.refinement)
+    partners = StudiedPartners([*asked, *among], way.trunks, way.refinement)
     clock.tick("quick trunks")
     scores = partners.quick_scores(len(asked))
     clock.tick("QCRS")
@@ -122,7 +122,7 @@ def run_way(name: str, way: Way, asked: Sequence[Shape], among: Sequence[Shape])
     return Outcome(name, turned, clock.seconds)
 
 
-def turn(partners: Partners, i: int, scores: FloatArray, way: Way, own: Clock) -> Turned:
+def turn(partners: StudiedPartners, i: int, scores: FloatArray, way: Way, own: Clock) -> Turned:
     """The best partner of shape i."""
     shape = partners.shapes[i]
     other = [

@@ -28,8 +28,17 @@ from rich.console import Console
 from rich.table import Table
 
 from pipeline.study.hidden import Hidden, hide
-from pipeline.study.partners import Clock, Partners, changed
-from pipeline.study.recovery import QUANTILES, WAYS, Closeness, Figure, Found, Search, figures, quantiles
+from pipeline.study.partners import Clock, StudiedPartners, changed
+from pipeline.study.recovery import (
+    QUANTILES,
+    WAYS,
+    Closeness,
+    Recovery,
+    RecoverySearch,
+    RecoveryShare,
+    figures,
+    quantiles,
+)
 from riot.draw.figure import draw_transform
 from riot.errors import RiotError
 from riot.geometry.shape import Shape
@@ -44,7 +53,7 @@ FORMAT = 1
 WIDTH = 150
 
 
-def show(rows: Sequence[Figure], close: Sequence[Closeness], causes: Counter[str], console: Console) -> None:
+def show(rows: Sequence[RecoveryShare], close: Sequence[Closeness], causes: Counter[str], console: Console) -> None:
     """Print the tables."""
     sizes = sorted({n for each in rows for n in each.by_n})
     table = Table("", box=box.SIMPLE_HEAD, pad_edge=False)
@@ -68,7 +77,7 @@ def show(rows: Sequence[Figure], close: Sequence[Closeness], causes: Counter[str
 
 
 def draw_worst(
-    search: Search, found: Sequence[Found], close: Sequence[Closeness], folder: Path, count: int = 4
+    search: RecoverySearch, found: Sequence[Recovery], close: Sequence[Closeness], folder: Path, count: int = 4
 ) -> None:
     """Pictures of the pairs that came out farthest from their inputs, and of those whose partner was lost."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -132,8 +141,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     others, refused = read_all(paths)
     clock.tick("reading pictures")
     shapes = [side.shape for pair in hidden for side in (pair.p, pair.q)]
-    partners = Partners([*shapes, *others], trunks, refinement, variant=chosen.variant)
-    search = Search(hidden, partners, chosen.keep, chosen.few)
+    partners = StudiedPartners([*shapes, *others], trunks, refinement, variant=chosen.variant)
+    search = RecoverySearch(hidden, partners, chosen.keep, chosen.few)
     found = search.run(_say)
     close = [search.closeness(k) for k in range(len(hidden))]
     seconds = clock.seconds | search.clock.seconds

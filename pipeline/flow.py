@@ -27,13 +27,13 @@ from pipeline.store.location import Location
 from pipeline.store.reader import ArtifactReader
 from pipeline.store.storage_errors import writing_to
 from pipeline.tables.outputs import run_folder, swept
-from pipeline.tables.record import GALLERY, RECORD, REPORT, holds, outcome_digest, write_record
+from pipeline.tables.record import GALLERY, RECORD, REPORT, is_up_to_date, outcome_digest, write_record
 from pipeline.tables.results import Results
 from riot import kernels
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RunOutcome:
     """How a run ended: the exit code, the folder of its tables, its report, and whether anything was written."""
 
     code: int
@@ -58,7 +58,7 @@ def check_writable(location: Location, parameter: str) -> None:
         ) from error
 
 
-def run_pipeline(config: Config, listen: Listener) -> Outcome:
+def run_pipeline(config: Config, listen: Listener) -> RunOutcome:
     """Run everything that the store lacks and write the tables.
 
     A store that cannot be written will do for a run that finds everything in it.
@@ -91,7 +91,7 @@ def _unwritable(store: Location) -> StartError | None:
     return None
 
 
-def _run(config: Config, collection: Collection, listen: Listener, unwritable: StartError | None) -> Outcome:
+def _run(config: Config, collection: Collection, listen: Listener, unwritable: StartError | None) -> RunOutcome:
     started, clock = datetime.now(UTC), time.perf_counter()
     folder = run_folder(config)
     with open_run(config.store, config.cluster, partial(_compile, listen), listen, unwritable) as run:
@@ -102,8 +102,8 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
     digest = outcome_digest(results, assets_digest())
     code = WITH_ERRORS if results.errors or results.blocked else CLEAN
     nothing_new = all(stage.computed == 0 and stage.failed == 0 for stage in results.stages)
-    if nothing_new and holds(folder, digest):
-        return Outcome(code, folder, folder / REPORT, False, time.perf_counter() - clock, results)
+    if nothing_new and is_up_to_date(folder, digest):
+        return RunOutcome(code, folder, folder / REPORT, False, time.perf_counter() - clock, results)
 
     listen(Note("writing tables …"))
     with writing_to(folder):
@@ -123,7 +123,7 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
             files = [*files, page, *gallery]
         times["seconds"] = time.perf_counter() - clock
         write_record(folder, results, digest, files, code, times)
-    return Outcome(code, folder, page, True, time.perf_counter() - clock, results)
+    return RunOutcome(code, folder, page, True, time.perf_counter() - clock, results)
 
 
 def run_stages(progress: Progress, run: Run) -> Progress:

@@ -130,7 +130,7 @@ def _tell_sweep(
     arguments: Sequence[str], outputs: Path, ended: Sequence[tuple[Sequence[str], _Ended]], console: Console
 ) -> None:
     jobs = [
-        tables.sweep.Job(sweep_values(arguments, chosen), job.code, job.folder, job.message)
+        tables.sweep.SweepJob(sweep_values(arguments, chosen), job.code, job.folder, job.message)
         for chosen, job in ended
         if chosen
     ]

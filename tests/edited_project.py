@@ -130,8 +130,8 @@ class Project:
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
         (self.folder / ARTIFACTS).write_text(json.dumps(keys))
-        found = collect(self.config.dataset).items
-        rows = [{"shape": number, "name": item.name, "digest": item.digest} for number, item in enumerate(found)]
+        collected = collect(self.config.dataset).items
+        rows = [{"shape": number, "name": item.name, "digest": item.digest} for number, item in enumerate(collected)]
         write_table(self.folder, "shapes", [from_rows(tables.SCHEMAS["shapes"], rows)])
         write_table(self.folder, "errors", [from_rows(tables.ERRORS, [])])
 
@@ -149,8 +149,8 @@ def made_up(item: WorkItem) -> Artifact:
     """An artifact of its own for each item, with what the plan of later stages reads of it."""
     document = {"of": [item.stage, *item.members], "status": "certified", "iou_p": 0.9, "iou_q": 0.9}
     pairs = np.array(PAIRS if item.stage == "select" else np.empty((0, 2)), dtype=np.int64)
-    places = np.arange(TOP if item.stage == "shortlist" else 0)
-    return Artifact({"pairs": pairs, "score": np.ones(len(pairs)), "places": places}, document)
+    positions = np.arange(TOP if item.stage == "shortlist" else 0)
+    return Artifact({"pairs": pairs, "score": np.ones(len(pairs)), "positions": positions}, document)
 
 
 @dataclass(frozen=True)

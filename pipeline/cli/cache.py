@@ -17,6 +17,7 @@ from rich.table import Table
 
 from pipeline.cli.accept import accept, parts_of
 from pipeline.errors import PayloadError, StartError
+from pipeline.exit_codes import BAD_START, CLEAN
 from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.stages.all import STAGES
 from pipeline.store.keys import SCHEMA, KeyParts
@@ -25,7 +26,8 @@ from pipeline.store.store import State, Store, folder_name
 from pipeline.tables.messages import several
 from pipeline.tables.record import ARTIFACTS
 
-OK, DAMAGED, BAD_START = 0, 3, 2
+DAMAGED = 3
+"""Exit code of ``verify`` when it finds damage."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise StartError(f"{store.root}: there is no store here; give --store LOCATION")
         if options.command == "du":
             _show_usage(usage(store), console)
-            return OK
+            return CLEAN
         if options.command == "verify":
             return _verify(store, console)
         if options.command == "accept":
@@ -162,7 +164,7 @@ def _verify(store: Store, console: Console) -> int:
         f"{several(total, 'artifact')}, {len(references)} damaged"
         + ("; the next run makes them again" if references else "")
     )
-    return DAMAGED if references else OK
+    return DAMAGED if references else CLEAN
 
 
 def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, console: Console) -> int:
@@ -190,7 +192,7 @@ def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, con
     what = several(count, "artifact or left-over file", "artifacts or left-over files")
     keeping = several(runs, "run keeps", "runs keep")
     console.print(f"{what}, {size / 1e6:,.1f} MB, {verb}; {keeping} {several(len(keep), 'artifact')}")
-    return OK
+    return CLEAN
 
 
 def _accept(store: Store, run: Path, dry_run: bool, console: Console) -> int:
@@ -206,7 +208,7 @@ def _accept(store: Store, run: Path, dry_run: bool, console: Console) -> int:
     verb = "would be accepted" if dry_run else "accepted"
     total = sum(acceptance.accepted.values())
     console.print(f"{several(total, 'artifact')} {verb} as what the code and libraries here would compute")
-    return OK
+    return CLEAN
 
 
 def _keys_of_run(file: Path) -> dict[str, list[str]]:

@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.table import Table
 
 import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
-from pipeline.match.search import Match, Mined, Query, match, open_mined, read_query
+from pipeline.match.search import MatchResult, MinedRun, Query, match, open_mined, read_query
 from pipeline.match.slices import add_collection
 from pipeline.store.location import parse_location
 from riot.cli import main as cli
@@ -56,7 +56,7 @@ def run_match(chosen: argparse.Namespace) -> int:
     return FOUND if len(result.scores.j) else NOTHING
 
 
-def rows(mined: Mined, result: Match) -> list[dict[str, Any]]:
+def rows(mined: MinedRun, result: MatchResult) -> list[dict[str, Any]]:
     """A row for each partner, best first: its number, name and class, the score, and the trunks that give it.
 
     Vertex k of ``trunk`` (the query's) corresponds to vertex ``(shift − k) mod n`` of ``partner_trunk``, which the
@@ -82,7 +82,7 @@ def rows(mined: Mined, result: Match) -> list[dict[str, Any]]:
     ]
 
 
-def document(mined: Mined, query: Query, result: Match) -> dict[str, Any]:
+def document(mined: MinedRun, query: Query, result: MatchResult) -> dict[str, Any]:
     """The result as JSON values; ``trunk_vertices`` are indices into the points of the query's shape."""
     return {
         "format": FORMAT,
@@ -99,7 +99,7 @@ def document(mined: Mined, query: Query, result: Match) -> dict[str, Any]:
     }
 
 
-def _print_table(mined: Mined, query: Query, result: Match) -> None:
+def _print_table(mined: MinedRun, query: Query, result: MatchResult) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=PIPED_WIDTH)
@@ -113,7 +113,7 @@ def _print_table(mined: Mined, query: Query, result: Match) -> None:
     console.print(table, markup=False)
 
 
-def _remark(mined: Mined, query: Query, result: Match) -> None:
+def _remark(mined: MinedRun, query: Query, result: MatchResult) -> None:
     if result.itself is not None:
         _say(f"the same file is in the collection, as {mined.names[result.itself]}, and is left out")
     if mined.unknown:

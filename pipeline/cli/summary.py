@@ -9,9 +9,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from pipeline.flow import Outcome
+from pipeline.flow import RunOutcome
 from pipeline.report.comparison import read_comparison
-from pipeline.tables.messages import remarks, several
+from pipeline.tables.messages import sentences, several
 from pipeline.tables.record import counts
 from pipeline.tables.results import Row
 
@@ -19,19 +19,19 @@ BEST = 10
 REASONS = 3
 
 
-def show_outcome(outcome: Outcome, console: Console) -> None:
+def show_outcome(outcome: RunOutcome, console: Console) -> None:
     """Print the summary of a finished run."""
     console.print(_counts(outcome))
     if outcome.results.pairs:
         console.print(_best(outcome))
     console.print(_times(outcome))
-    for remark in remarks(counts(outcome.results), outcome.results.config.select.policy):
-        console.print(remark, highlight=False, markup=False, soft_wrap=True)
+    for sentence in sentences(counts(outcome.results), outcome.results.config.select.policy):
+        console.print(sentence, highlight=False, markup=False, soft_wrap=True)
     compared = read_comparison(_rows(outcome, "transforms"), _rows(outcome, "timings"))
     if compared is not None:
-        console.print(compared.remark, highlight=False, markup=False, soft_wrap=True)
+        console.print(compared.sentence, highlight=False, markup=False, soft_wrap=True)
     if outcome.results.search is not None:
-        sentence = outcome.results.search.remark(_kept(outcome))
+        sentence = outcome.results.search.sentence(_kept(outcome))
         console.print(sentence, highlight=False, markup=False, soft_wrap=True)
     _errors(outcome, console)
     if all(stage.computed + stage.failed == 0 for stage in outcome.results.stages):
@@ -42,18 +42,18 @@ def show_outcome(outcome: Outcome, console: Console) -> None:
         console.print(f"Report: {outcome.report}", highlight=False, soft_wrap=True, markup=False)
 
 
-def _kept(outcome: Outcome) -> int:
+def _kept(outcome: RunOutcome) -> int:
     return sum(pq.read_metadata(file).num_rows for file in (outcome.folder / "qcrs").rglob("*.parquet"))
 
 
-def _rows(outcome: Outcome, name: str) -> list[Row]:
+def _rows(outcome: RunOutcome, name: str) -> list[Row]:
     # Not pyarrow.parquet.read_table, nor pyarrow.dataset: both load pandas, which takes half a second.
     with pq.ParquetFile(outcome.folder / f"{name}.parquet") as file:
         rows: list[Row] = file.read().to_pylist()
     return rows
 
 
-def _counts(outcome: Outcome) -> Table:
+def _counts(outcome: RunOutcome) -> Table:
     run_counts = counts(outcome.results)
     table = Table(title=f"Run of {escape(outcome.results.collection.name)}", title_justify="left")
     names = ["shapes", "rejected_items", "pairs", "selected", "certified", "rejected", "errors"]
@@ -65,7 +65,7 @@ def _counts(outcome: Outcome) -> Table:
     return table
 
 
-def _best(outcome: Outcome) -> Table:
+def _best(outcome: RunOutcome) -> Table:
     table = Table(title="Best transforms, least deformed first", title_justify="left")
     for title, justify in (("", "right"), ("P", "left"), ("Q", "left"), ("n", "right")):
         table.add_column(title, justify=justify, max_width=30)  # type: ignore[arg-type]
@@ -93,7 +93,7 @@ def _best(outcome: Outcome) -> Table:
     return table
 
 
-def _times(outcome: Outcome) -> Table:
+def _times(outcome: RunOutcome) -> Table:
     table = Table(title="Time per stage", title_justify="left")
     table.add_column("stage")
     for title in ("items", "cached", "computed", "failed", "wall s", "cpu s", "stored s", "peak MiB"):
@@ -115,7 +115,7 @@ def _times(outcome: Outcome) -> Table:
     return table
 
 
-def _errors(outcome: Outcome, console: Console) -> None:
+def _errors(outcome: RunOutcome, console: Console) -> None:
     errors = outcome.results.errors
     if not errors:
         return

@@ -42,7 +42,7 @@ _TIMEOUT = 60.0
 
 
 @dataclass(frozen=True)
-class Limits:
+class DownloadLimits:
     """Bytes that a download and its pictures, unpacked, may have: more of them are another archive.
 
     The pictures of MPEG-7 have a tenth of ``download``, unpacked.
@@ -52,11 +52,11 @@ class Limits:
     unpacked: int = 500_000_000
 
 
-LIMITS = Limits()
+DOWNLOAD_LIMITS = DownloadLimits()
 
 
 @dataclass(frozen=True)
-class Entry:
+class ManifestEntry:
     """One picture of a manifest: its file name without suffix, size, and SHA-256 of its binary pixels."""
 
     name: str
@@ -71,7 +71,7 @@ def fetch(
     manifest: Path = MPEG7_MANIFEST,
     *,
     timeout: float = _TIMEOUT,
-    limits: Limits = LIMITS,
+    limits: DownloadLimits = DOWNLOAD_LIMITS,
 ) -> bool:
     """Put a data set into the folder ``target``, complete and checked, or leave nothing; False if it was there.
 
@@ -114,7 +114,7 @@ def fetch(
     return True
 
 
-def check(folder: Path, entries: Iterable[Entry]) -> list[str]:
+def check(folder: Path, entries: Iterable[ManifestEntry]) -> list[str]:
     """What is wrong with the pictures in a folder, one line each; empty = all there and unaltered."""
     files = {path.stem.casefold(): path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES}
     faults: list[str] = []
@@ -129,21 +129,24 @@ def check(folder: Path, entries: Iterable[Entry]) -> list[str]:
     return faults
 
 
-def entry_of(path: Path, name: str) -> Entry:
+def entry_of(path: Path, name: str) -> ManifestEntry:
     """The manifest entry of a picture file: each pixel is object if any of red, green, blue is not zero."""
     with Image.open(path, formats=FORMATS) as image:
         if image.width * image.height > _MAX_PIXELS:
             raise ValueError(f"{path}: too large")
         pixels = np.asarray(image.convert("RGB")).any(axis=2)
-    return Entry(name, pixels.shape[1], pixels.shape[0], hashlib.sha256(np.packbits(pixels).tobytes()).hexdigest())
+    return ManifestEntry(
+        name, pixels.shape[1], pixels.shape[0], hashlib.sha256(np.packbits(pixels).tobytes()).hexdigest()
+    )
 
 
-def read_manifest(path: Path) -> list[Entry]:
+def read_manifest(path: Path) -> list[ManifestEntry]:
     """Entries of a manifest file; raises `DatasetError` if it is missing or damaged."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             return [
-                Entry(row["name"], int(row["width"]), int(row["height"]), row["sha256"]) for row in csv.DictReader(file)
+                ManifestEntry(row["name"], int(row["width"]), int(row["height"]), row["sha256"])
+                for row in csv.DictReader(file)
             ]
     except (OSError, KeyError, ValueError) as error:
         raise DatasetError(f"{path}: no manifest of pictures ({error}); install the project again") from error
@@ -166,7 +169,7 @@ def write_manifest(folder: Path, path: Path) -> int:
     return len(entries)
 
 
-def _entry_or_none(path: Path, name: str) -> Entry | None:
+def _entry_or_none(path: Path, name: str) -> ManifestEntry | None:
     try:
         return entry_of(path, name)
     except Exception:  # decoders raise nearly anything on damaged files; the caller reports which it was
@@ -228,7 +231,7 @@ def _download(urls: Sequence[str], folder: Path, timeout: float, most: int) -> P
     )
 
 
-def _unpack(archive: Path, folder: Path, entries: Iterable[Entry], most: int) -> None:
+def _unpack(archive: Path, folder: Path, entries: Iterable[ManifestEntry], most: int) -> None:
     """Unpack the pictures that the manifest lists, under its names: no path in the archive is ever followed."""
     wanted = {entry.name.casefold(): entry.name for entry in entries}
     try:

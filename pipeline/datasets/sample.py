@@ -56,7 +56,7 @@ _SYMBOLS: dict[str, str] = {
 
 
 @dataclass(frozen=True)
-class Pair:
+class SamplePair:
     """One side of an exact pair."""
 
     pieces: int
@@ -94,12 +94,12 @@ def picture(source: str) -> FloatArray:
 
 
 @cache
-def _contents() -> dict[str, tuple[str, Pair | Glyph]]:
-    contents: dict[str, tuple[str, Pair | Glyph]] = {}
+def _contents() -> dict[str, tuple[str, SamplePair | Glyph]]:
+    contents: dict[str, tuple[str, SamplePair | Glyph]] = {}
     for number, pieces in enumerate(_PIECES):
         for side in "ab":
             name = f"pair{number:02d}-{side}"
-            contents[name] = (name, Pair(pieces, _SEED + number, side))
+            contents[name] = (name, SamplePair(pieces, _SEED + number, side))
     for cls, text in _SYMBOLS.items():
         words = text.split()
         for name, character in zip(words[::2], words[1::2], strict=True):
@@ -107,7 +107,7 @@ def _contents() -> dict[str, tuple[str, Pair | Glyph]]:
     return dict(sorted(contents.items()))
 
 
-def _digest(content: Pair | Glyph) -> str:
+def _digest(content: SamplePair | Glyph) -> str:
     definition: dict[str, object] = {"side": _SIDE, "finer": _FINER, "margin": _MARGIN}
     if isinstance(content, Glyph):
         definition |= {"font": _font_digest(), "character": ord(content.character)}
@@ -135,7 +135,7 @@ def _pair(pieces: int, seed: int) -> ExactPair:
     return groundtruth.pairs.exact_pair(pieces, seed)
 
 
-def _draw_pair(content: Pair) -> FloatArray:
+def _draw_pair(content: SamplePair) -> FloatArray:
     pair = _pair(content.pieces, content.seed)
     polygon = pair.p if content.side == "a" else pair.q
     low, extent = polygon.min(axis=0), np.ptp(polygon, axis=0)

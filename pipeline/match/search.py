@@ -36,7 +36,7 @@ AGAIN = "the command that made the run makes it again, and computes only what is
 
 
 @dataclass(frozen=True, eq=False)
-class Mined:
+class MinedRun:
     """A finished run, as far as a search needs it.
 
     ``names``, ``classes`` and ``digests`` are by shape number. ``trunks`` are the keys of its batches of trunks,
@@ -81,7 +81,7 @@ class Query:
 
 
 @dataclass(frozen=True, eq=False)
-class Match:
+class MatchResult:
     """The partners found, best first (``scores.j`` are shape numbers), the shape that the query is itself, or None.
 
     ``compared`` counts the shapes of which trunks were compared corner by corner.
@@ -92,7 +92,7 @@ class Match:
     compared: int
 
 
-def open_mined(folder: Path, store: Location | None = None) -> Mined:
+def open_mined(folder: Path, store: Location | None = None) -> MinedRun:
     """Read what a finished run in ``folder`` stands on; ``store``: where its store is now, if not where it was.
 
     Raises `StartError` when there is no such run, it was mined by other code than is here, or its store is gone.
@@ -114,7 +114,7 @@ def open_mined(folder: Path, store: Location | None = None) -> Mined:
         if max(numbers) >= 0:
             batches.append((max(numbers), key, numbers))
     batches.sort()  # shapes are numbered in the order of the collection
-    return Mined(
+    return MinedRun(
         folder=folder,
         dataset=str(record["dataset"]),
         config=config,
@@ -127,7 +127,7 @@ def open_mined(folder: Path, store: Location | None = None) -> Mined:
     )
 
 
-def read_query(mined: Mined, path: Path) -> Query:
+def read_query(mined: MinedRun, path: Path) -> Query:
     """Read a picture and find its trunks as the collection's were.
 
     Raises `riot.errors.SilhouetteError`, or OSError when there is no such file.
@@ -137,7 +137,7 @@ def read_query(mined: Mined, path: Path) -> Query:
     return Query(path.stem, digest, trunks, stack([trunks]))
 
 
-def trunks_as_mined(mined: Mined, shape: Shape) -> Trunks:
+def trunks_as_mined(mined: MinedRun, shape: Shape) -> Trunks:
     """The trunks of a shape, found as the collection's were."""
     config = mined.config
     return compared_trunks(
@@ -145,14 +145,14 @@ def trunks_as_mined(mined: Mined, shape: Shape) -> Trunks:
     )
 
 
-def match(mined: Mined, index: TrunkIndex, query: Query, count: int) -> Match:
+def match(mined: MinedRun, index: TrunkIndex, query: Query, count: int) -> MatchResult:
     """The ``count`` best partners of a shape by QCRS, exact; a shape of the same file is left out."""
     itself = mined.digests.index(query.digest) if query.digest in mined.digests else None
     own_rows = np.flatnonzero(mined.numbers == (-2 if itself is None else itself))
     excluded = [int(own_rows[0])] if len(own_rows) else [-1]
     search = best_partners(index, query.stacked, count, mined.config.qcrs.sigmas, itself=excluded)
     columns = {**vars(search.scores), "j": mined.numbers[search.scores.j].astype(np.int32)}
-    return Match(BlockScores(**columns), itself, search.compared)
+    return MatchResult(BlockScores(**columns), itself, search.compared)
 
 
 def _record(folder: Path) -> Mapping[str, Any]:

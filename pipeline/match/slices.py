@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.errors import PayloadError, StartError
-from pipeline.match.search import AGAIN, Mined, open_mined, trunks_as_mined
+from pipeline.match.search import AGAIN, MinedRun, open_mined, trunks_as_mined
 from pipeline.stages.shape_arrays import count_shapes, expect_shape
 from pipeline.store.location import parse_location
 from riot.cli import main as cli
@@ -44,7 +44,7 @@ def run_slices(chosen: argparse.Namespace) -> int:
     return slice_model(chosen, lambda slices, keep: shortlists(mined, slices, keep), mined.config.shape)
 
 
-def shortlists(mined: Mined, slices: Sequence[Shape], keep: int) -> tuple[Shortlist, ...]:
+def shortlists(mined: MinedRun, slices: Sequence[Shape], keep: int) -> tuple[Shortlist, ...]:
     """The ``keep`` best counterparts of every slice by QCRS among a run's shapes, exact, through its index.
 
     Raises `StartError` if the run's store is gone or altered.
@@ -60,7 +60,7 @@ def shortlists(mined: Mined, slices: Sequence[Shape], keep: int) -> tuple[Shortl
     return tuple(tuple(shortlist) for shortlist in candidates)
 
 
-def read_shapes(mined: Mined, numbers: set[int]) -> dict[int, Shape]:
+def read_shapes(mined: MinedRun, numbers: set[int]) -> dict[int, Shape]:
     """The shapes of a run with these numbers, named as its tables do; StartError if one is not in the store."""
     shapes: dict[int, Shape] = {}
     first = 0
@@ -82,7 +82,7 @@ def read_shapes(mined: Mined, numbers: set[int]) -> dict[int, Shape]:
     return shapes
 
 
-def _inputs(mined: Mined, stage: str, key: str) -> Sequence[str]:
+def _inputs(mined: MinedRun, stage: str, key: str) -> Sequence[str]:
     entry = mined.store.entry(stage, key)
     if entry is None:
         raise LookupError(f"{stage}/{key[:12]}")

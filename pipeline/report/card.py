@@ -32,7 +32,7 @@ VIEWS: tuple[tuple[Callable[[Transform, str], list[Mark]], str], ...] = (
 
 
 @dataclass(frozen=True)
-class Picture:
+class CardPicture:
     """An SVG element for a page that has the definitions of its pieces, and a caption."""
 
     svg: Markup
@@ -49,13 +49,13 @@ class Card:
 
     row: TransformRow
     definitions: Markup
-    panels: tuple[Picture, ...]
-    moves: tuple[Picture, ...]
+    panels: tuple[CardPicture, ...]
+    moves: tuple[CardPicture, ...]
     halves: tuple[Markup, ...]
 
 
 def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGES) -> Card:
-    """The card of a row of `transforms` and its ``.riot`` file, with the skins of its pieces."""
+    """The card of a row of `transforms` and its ``.riot`` file, with the images of its pieces."""
     sketched = sketch(transform)
     pieces, prefix = sketched.pieces, naming(sketched.pieces, images)
     sides = (("p", row.name_p), ("q", row.name_q))
@@ -67,7 +67,7 @@ def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGE
         return Markup(fragment(scene, prefix, kind=kind))
 
     panels = [
-        Picture(drawn(f"{name}: {(words := caption.format(side.upper()))}", frames[side], PANEL_PENS, view), words)
+        CardPicture(drawn(f"{name}: {(words := caption.format(side.upper()))}", frames[side], PANEL_PENS, view), words)
         for side, name in sides
         for (_, caption), view in zip(VIEWS, marks[side], strict=True)
     ]
@@ -76,11 +76,13 @@ def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGE
     moves = []
     if motion is not None:
         swing = swing_of(transform, prefix, images)
-        moves.append(Picture(Markup(fragment(swing.scene, prefix, swing.body, "swing")), f"the chain {motion.words}"))
+        moves.append(
+            CardPicture(Markup(fragment(swing.scene, prefix, swing.body, "swing")), f"the chain {motion.words}")
+        )
     chain = chain_marks(sketched, 0 if motion is None else motion.open_hinge)
     title = f"The chain of {len(sketched)} pieces laid straight: {row.name_p} below, {row.name_q} above"
     box = around([extent(chain, pieces)], MARGIN)
-    moves.append(Picture(drawn(title, box, CHAIN_PENS, chain, "chain"), "the chain, straight"))
+    moves.append(CardPicture(drawn(title, box, CHAIN_PENS, chain, "chain"), "the chain, straight"))
     halves = [drawn(name, frames[side], THUMB_PENS, _pieces(sketched, side)) for side, name in sides]
     return Card(row, Markup(definitions(pieces, prefix, images)), tuple(panels), tuple(moves), tuple(halves))
 

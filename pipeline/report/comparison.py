@@ -56,18 +56,18 @@ class Comparison:
         return _medians(pair.exact for pair in self.pairs), _medians(pair.paper for pair in self.pairs)
 
     @property
-    def remark(self) -> str:
+    def sentence(self) -> str:
         """What came of it, in a sentence."""
         exact, paper = self.medians
         residual = median(pair.paper.residual for pair in self.pairs)
-        remark = (
+        sentence = (
             f"Beside the paper's method, on the same trunks ({len(self.pairs)} of the best): median IoU "
             f"{exact.iou:.3f} exact, {paper.iou:.3f} the paper's, whose pieces leave "
             f"{residual:.1g} of gaps, overlaps and outside"
         )
         if math.isfinite(self.seconds_exact) and math.isfinite(self.seconds_paper):
-            remark += f"; {self.seconds_exact:.2g} s and {self.seconds_paper:.2g} s a pair"
-        return f"{remark}."
+            sentence += f"; {self.seconds_exact:.2g} s and {self.seconds_paper:.2g} s a pair"
+        return f"{sentence}."
 
 
 def read_comparison(transforms: Iterable[Row], timings: Iterable[Row]) -> Comparison | None:

@@ -16,7 +16,7 @@ REPORT = "../report.html"
 
 
 @dataclass(frozen=True)
-class Order:
+class SortOrder:
     """A way to sort: its words, the number that it sorts by (nan comes last), and whether the greatest is the best."""
 
     words: str
@@ -24,24 +24,24 @@ class Order:
     greatest_first: bool = False
 
 
-ORDERS: Mapping[str, Order] = {
-    "rank": Order("rank", lambda row: row.rank),
-    "iou": Order("IoU", lambda row: row.iou, greatest_first=True),
-    "bound": Order("bound of the IoU", lambda row: min(row.bound_p, row.bound_q), greatest_first=True),
-    "change": Order("change / least", lambda row: row.change_ratio),
-    "crs": Order("CRS", lambda row: row.crs, greatest_first=True),
-    "qcrs": Order("QCRS", lambda row: row.qcrs, greatest_first=True),
-    "hausdorff": Order("Hausdorff distance", lambda row: row.hausdorff),
-    "distance": Order("mean distance", lambda row: max(row.mean_distance_p, row.mean_distance_q)),
-    "bending": Order("bending", lambda row: max(row.bending_p, row.bending_q)),
-    "direction": Order("directions off", lambda row: max(row.direction_p, row.direction_q)),
-    "n": Order("pieces", lambda row: row.n),
+ORDERS: Mapping[str, SortOrder] = {
+    "rank": SortOrder("rank", lambda row: row.rank),
+    "iou": SortOrder("IoU", lambda row: row.iou, greatest_first=True),
+    "bound": SortOrder("bound of the IoU", lambda row: min(row.bound_p, row.bound_q), greatest_first=True),
+    "change": SortOrder("change / least", lambda row: row.change_ratio),
+    "crs": SortOrder("CRS", lambda row: row.crs, greatest_first=True),
+    "qcrs": SortOrder("QCRS", lambda row: row.qcrs, greatest_first=True),
+    "hausdorff": SortOrder("Hausdorff distance", lambda row: row.hausdorff),
+    "distance": SortOrder("mean distance", lambda row: max(row.mean_distance_p, row.mean_distance_q)),
+    "bending": SortOrder("bending", lambda row: max(row.bending_p, row.bending_q)),
+    "direction": SortOrder("directions off", lambda row: max(row.direction_p, row.direction_q)),
+    "n": SortOrder("pieces", lambda row: row.n),
 }
 """Of two shapes the worse one counts, as everywhere."""
 
 
 @dataclass(frozen=True)
-class Item:
+class GalleryItem:
     """A transform of the list, and what the script reads: values by `ORDERS`, numbers of classes, and marks.
 
     Marks are one letter each: f = swings flat, l = lifts, a = approximate, p = has a puzzle.
@@ -85,10 +85,10 @@ def files() -> dict[str, str]:
     return {STYLE: style_sheet("gallery.css"), SCRIPT: read_asset("gallery.js")}
 
 
-def _item(row: TransformRow, classes: Mapping[str, int], printed: bool) -> Item:
+def _item(row: TransformRow, classes: Mapping[str, int], printed: bool) -> GalleryItem:
     marks = {None: "", True: "f", False: "l"}[row.swings_flat] + "a" * row.approximate + "p" * printed
     values = " ".join(_value(order.value(row)) for order in ORDERS.values())
-    return Item(row, values, " ".join(str(classes[kind]) for kind in row.classes), marks)
+    return GalleryItem(row, values, " ".join(str(classes[kind]) for kind in row.classes), marks)
 
 
 def _filters(rows: Sequence[TransformRow], printed: bool) -> Filters:

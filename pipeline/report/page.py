@@ -11,8 +11,8 @@ from pipeline.report.environment import render
 from pipeline.report.formats import MISSING
 from pipeline.report.histogram import Histogram, histogram
 from pipeline.report.rows import TransformRow
-from pipeline.report.run import Run
-from pipeline.tables.messages import remarks
+from pipeline.report.run import ReportedRun
+from pipeline.tables.messages import sentences
 from pipeline.tables.record import GALLERY, STUDY
 
 SHOWN_PAIRS = 20
@@ -42,17 +42,19 @@ class ReportPage:
     them. ``settings`` are groups of names and values.
     """
 
-    run: Run
+    run: ReportedRun
     cards: Sequence[Card]
     links: Mapping[int, str]
     listed: int
     rejections: Sequence[Rejection]
 
     @property
-    def remarks(self) -> list[str]:
+    def sentences(self) -> list[str]:
         """Sentences on what a reader could wonder about."""
         search = self.run.search
-        return remarks(self.run.counts, self.run.policy) + ([] if search is None else [search.remark(self.run.pairs)])
+        return sentences(self.run.counts, self.run.policy) + (
+            [] if search is None else [search.sentence(self.run.pairs)]
+        )
 
     @property
     def plots(self) -> tuple[Histogram, ...]:
@@ -75,7 +77,7 @@ class ReportPage:
         return {name: list(_leaves(values)) for name, values in (({"run": plain} if plain else {}) | groups).items()}
 
 
-def page(run: Run, cards: Sequence[Card], lost: Sequence[Rejection], gallery: Mapping[int, str]) -> str:
+def page(run: ReportedRun, cards: Sequence[Card], lost: Sequence[Rejection], gallery: Mapping[int, str]) -> str:
     """The text of the report; ``lost`` are transforms whose file cannot be read.
 
     ``cards`` are the best `SHOWN_CARDS`; ``gallery`` leads from the ranks of all that can be read to their pages.

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from pathlib import PurePosixPath
 from typing import Any, TypeVar
 
-Row = TypeVar("Row")
+RowType = TypeVar("RowType")
 
 NULLS: Mapping[str, Any] = {"float": math.nan, "int": 0, "str": "", "tuple[str, ...]": ()}
 """What stands for null, by the type of a column; None for all others."""
@@ -19,7 +19,7 @@ NAMES: Mapping[str, str] = {"name_p": "name_i", "name_q": "name_j", "class_p": "
 
 @dataclass(frozen=True)
 class TransformRow:
-    """One row of `transforms`; see `pipeline.tables.schemas.TRANSFORMS` for the meaning, nan = null."""
+    """One row of `transforms`; `pipeline.tables.schemas.SCHEMAS` tells what its columns mean; nan = null."""
 
     rank: int
     name_p: str
@@ -107,7 +107,7 @@ class TransformRow:
 
 @dataclass(frozen=True)
 class PuzzleRow:
-    """One row of `pipeline.tables.schemas.FABRICATIONS`."""
+    """One row of the table `fabrications`."""
 
     rank: int
     name_p: str
@@ -128,15 +128,15 @@ class PuzzleRow:
     warnings: tuple[str, ...]
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """What its maker should read: why it is refused, what was changed, and warnings."""
-        remarks = (self.message, *(f"changed {words}" for words in self.changes), *self.warnings)
-        return tuple(words for words in remarks if words)
+        notes = (self.message, *(f"changed {words}" for words in self.changes), *self.warnings)
+        return tuple(words for words in notes if words)
 
 
 @dataclass(frozen=True)
 class ErrorRow:
-    """One row of `pipeline.tables.schemas.ERRORS`."""
+    """One row of the table `errors`."""
 
     item: str
     stage: str
@@ -148,7 +148,7 @@ class ErrorRow:
 
 @dataclass(frozen=True)
 class TimingRow:
-    """One row of `pipeline.tables.schemas.TIMINGS`; times in seconds, memory in MiB."""
+    """One row of the table `timings`; times in seconds, memory in MiB."""
 
     stage: str
     items: int
@@ -161,7 +161,7 @@ class TimingRow:
     peak_mb: float
 
 
-def typed_row(kind: type[Row], row: Mapping[str, Any]) -> Row:
+def typed_row(kind: type[RowType], row: Mapping[str, Any]) -> RowType:
     """A row of a table as the dataclass ``kind``, whose fields are columns; columns that are not there are null.
 
     >>> typed_row(ErrorRow, {"item": "a.png", "attempts": 2}).stage

@@ -16,7 +16,7 @@ from pipeline.report.comparison import Comparison, read_comparison
 from pipeline.report.histogram import Distribution, distribution
 from pipeline.report.rows import ErrorRow, PuzzleRow, TimingRow, TransformRow, typed_row
 from pipeline.tables import schemas as tables
-from pipeline.tables.partner_search import Search, read_search
+from pipeline.tables.partner_search import PartnerSearch, read_search
 from riot.errors import RiotError
 from riot.types import FloatArray
 
@@ -28,7 +28,7 @@ class ReportError(RiotError, FileNotFoundError):
 
 
 @dataclass(frozen=True)
-class Run:
+class ReportedRun:
     """A finished run as the report needs it."""
 
     folder: Path
@@ -49,7 +49,7 @@ class Run:
     iou: Distribution
     comparison: Comparison | None
     """The paper's method beside the exact one; None when nothing was made by both."""
-    search: Search | None
+    search: PartnerSearch | None
     """What the search for partners took; None when all pairs were scored."""
 
     @property
@@ -95,7 +95,7 @@ class Run:
         return tuple(row for row in self.transforms if not row.file)
 
 
-def read_run(folder: Path) -> Run:
+def read_run(folder: Path) -> ReportedRun:
     """Read a run's folder; raises `ReportError` if a table or `run.json` is missing."""
     missing = [name for name in _NEEDED if not (folder / name).exists()]
     if missing:
@@ -118,7 +118,7 @@ def read_run(folder: Path) -> Run:
             yield batch.column("score").to_numpy()
 
     qcrs = distribution(scores())
-    return Run(
+    return ReportedRun(
         folder=folder,
         facts=facts,
         shapes=len(shapes),
@@ -149,7 +149,7 @@ _NEEDED = (
 )
 
 
-def _search(folder: Path) -> Search | None:
+def _search(folder: Path) -> PartnerSearch | None:
     first = next(iter(sorted(folder.rglob("*.parquet"))), None)
     return None if first is None else read_search(pq.read_schema(first).metadata)
 

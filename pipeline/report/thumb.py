@@ -23,7 +23,7 @@ _MARGIN = 0.03
 def thumb(transform: Transform, images: PieceImages = NO_IMAGES) -> str:
     """The two dissections side by side at one scale, as a whole SVG file.
 
-    Pieces are in their colours, or show their skins; the same transform gives the same text.
+    Pieces are in their colours, or show their images; the same transform gives the same text.
     """
     drawn = sketch(transform, TOLERANCE)
     halves = [[mark for mark in dissection_marks(drawn, side) if isinstance(mark, PlacedPiece)] for side in "pq"]

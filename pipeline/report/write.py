@@ -16,7 +16,7 @@ from pipeline.report.transform_page import transform_page
 from pipeline.store.store import write_atomically
 from pipeline.tables.outputs import new_place, replace_folder
 from pipeline.tables.record import GALLERY
-from pipeline.tables.textures import read_skins
+from pipeline.tables.textures import read_textures
 from riot.draw.piece_image import PieceImages
 from riot.errors import FormatError
 from riot.transform.riot_file import from_json
@@ -29,13 +29,13 @@ REPORT = "report.html"
 class _Drawn:
     row: TransformRow
     transform: Transform
-    skins: PieceImages
+    images: PieceImages
 
 
 def write_report(run_dir: Path) -> Path:
     """Write ``report.html`` and ``gallery/`` into the folder of a finished run; returns the report's path.
 
-    Both depend on the run's tables, `run.json`, transforms and skins alone: the same ones give the same bytes; the
+    Both depend on the run's tables, `run.json`, transforms and textures alone: the same ones give the same bytes; the
     gallery shows no times, so equal runs have equal galleries. A transform whose file is gone or damaged is listed as
     such instead of stopping the report. Raises `pipeline.report.run.ReportError` (a FileNotFoundError) if a table is
     missing. Ours.
@@ -49,10 +49,10 @@ def write_report(run_dir: Path) -> Path:
     temporary.mkdir()
     for before, now, after in _between(_readable(run_dir, run.made, lost)):
         row = now.row
-        shown = card(row, now.transform, now.skins)
+        shown = card(row, now.transform, now.images)
         neighbours = [None if neighbour is None else neighbour.row for neighbour in (before, after)]
         _write(temporary / row.page, transform_page(shown, now.transform, puzzles.get(row.rank), *neighbours))
-        _write(temporary / row.thumb, thumb(now.transform, now.skins))
+        _write(temporary / row.thumb, thumb(now.transform, now.images))
         rows.append(row)
         if len(cards) < SHOWN_CARDS:
             cards.append(shown)
@@ -78,7 +78,7 @@ def _readable(run_dir: Path, rows: Iterable[TransformRow], lost: list[Rejection]
         except FormatError as error:
             lost.append(Rejection(row, "unreadable", str(error)))
         else:
-            yield _Drawn(row, transform, read_skins(run_dir, row.file, len(transform)))
+            yield _Drawn(row, transform, read_textures(run_dir, row.file, len(transform)))
 
 
 def _between(drawn: Iterable[_Drawn]) -> Iterator[tuple[_Drawn | None, _Drawn, _Drawn | None]]:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures) -> Artifact:
-    """A transform with its motion, and its pictures → `pack_skins` of the sides that have colours, perhaps of none.
+    """A transform with its motion, and its pictures → `pack_images` of the sides that have colours, perhaps of none.
 
     The document has these ``sides``, and ``refused`` a row for each picture that cannot be a texture: no error, its
     side is plain.
@@ -36,13 +36,13 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures) -
         textures, refused = read_textures(puzzle, spec)
         images = draw.texture.sample.piece_images(puzzle, textures)
         document = {"sides": sorted(images), "refused": [asdict(refusal) for refusal in refused]}
-        return Artifact(pack_skins(images), document)
+        return Artifact(pack_images(images), document)
 
     painted = attempt(0, paint, errors)
     return Artifact({}, {"errors": errors}) if painted is None else painted
 
 
-def pack_skins(images: PieceImages) -> dict[str, AnyArray]:
+def pack_images(images: PieceImages) -> dict[str, AnyArray]:
     """Images as arrays: of side s and piece i ``s-i`` (rows, columns, 3) uint8 and ``s-i-box`` (4,) float64."""
     arrays: dict[str, AnyArray] = {}
     for side, pieces in images.items():
@@ -51,8 +51,8 @@ def pack_skins(images: PieceImages) -> dict[str, AnyArray]:
     return arrays
 
 
-def unpack_skins(arrays: Mapping[str, AnyArray], pieces: int) -> PieceImages:
-    """What `pack_skins` packed, of a transform of so many pieces."""
+def unpack_images(arrays: Mapping[str, AnyArray], pieces: int) -> PieceImages:
+    """What `pack_images` packed, of a transform of so many pieces."""
     return {
         side: tuple(
             draw.piece_image.PieceImage(np.array(arrays[f"{side}-{i}"]), _box(arrays[f"{side}-{i}-box"].tolist()))

@@ -45,7 +45,7 @@ class Selecting:
 
 
 @dataclass(frozen=True)
-class Limits:
+class SelectionLimits:
     """How many pairs: in all, of the same two classes, with the same shape."""
 
     top: int
@@ -71,7 +71,7 @@ def select_paper(blocks: Iterator[Block], classes: Sequence[str], scores: FloatA
     return _rows(pool, slice(top))
 
 
-def select_global(blocks: Callable[[], Iterator[Block]], classes: Sequence[str], limits: Limits) -> Chosen:
+def select_global(blocks: Callable[[], Iterator[Block]], classes: Sequence[str], limits: SelectionLimits) -> Chosen:
     """The best pairs of different classes within the limits, greedily by falling score.
 
     Class "" differs from every class, itself too. Ties go to the earlier pair. ``blocks`` starts the reading anew:
@@ -100,7 +100,7 @@ def labels(classes: Sequence[str]) -> IntArray:
     return np.array(label, dtype=np.int64)
 
 
-def greedy(i: IntArray, j: IntArray, label: IntArray, limits: Limits) -> list[int]:
+def greedy(i: IntArray, j: IntArray, label: IntArray, limits: SelectionLimits) -> list[int]:
     """Take pairs (p,), the best first, as long as the limits allow; returns the rows of those taken."""
     shapes: Counter[int] = Counter()
     class_pairs: Counter[tuple[int, int]] = Counter()
@@ -167,7 +167,9 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) 
             ratings[start : start + len(batch.arrays["score"])] = batch.arrays["score"]
         chosen = select_paper(blocks(), spec.classes, ratings, breadth * settings.top)
     else:
-        limits = Limits(*(breadth * most for most in (settings.top, settings.per_class_pair, settings.per_shape)))
+        limits = SelectionLimits(
+            *(breadth * most for most in (settings.top, settings.per_class_pair, settings.per_shape))
+        )
         chosen = select_global(blocks, spec.classes, limits)
     return Artifact({"pairs": chosen.pairs, "score": chosen.score})
 

@@ -14,7 +14,7 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.refine import bound
-from pipeline.stages.select import Limits, greedy, labels
+from pipeline.stages.select import SelectionLimits, greedy, labels
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import digest_text
@@ -31,17 +31,17 @@ class Refined:
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Refined) -> Artifact:
     """Refined plans of the pairs, in order of selection → ``positions`` (k,) among them, least deformation first.
 
-    Greedily by falling bound, within the limits of ``select`` (policy ``paper`` has none); equal ones in order of selection. Pairs
-    without a plan are left out, unless there are too few others.
+    Pairs are taken greedily by falling bound within the limits of ``select`` (policy ``paper`` has none); equal bounds
+    in order of selection. A pair without a plan is taken only if there are too few others.
     """
     (settings,) = parameters
     bounds = np.array([bound(plans) for plans in inputs])
     order = np.argsort(-bounds, kind="stable")
     pairs = np.array(spec.pairs, dtype=np.int64).reshape(-1, 2)[order]
     if settings.policy == "paper":
-        limits = Limits(settings.top, len(order) + 1, len(order) + 1)
+        limits = SelectionLimits(settings.top, len(order) + 1, len(order) + 1)
     else:
-        limits = Limits(settings.top, settings.per_class_pair, settings.per_shape)
+        limits = SelectionLimits(settings.top, settings.per_class_pair, settings.per_shape)
     ranks = greedy(pairs[:, 0], pairs[:, 1], labels(spec.classes), limits)
     return Artifact({"positions": order[np.array(ranks, dtype=np.int64)]})
 

@@ -11,8 +11,8 @@ import pyarrow as pa
 from pipeline.errors import ConfigError, StartError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
-from pipeline.study.finished import Finished
-from pipeline.study.partners import Partners
+from pipeline.study.finished import StudiedRun
+from pipeline.study.partners import StudiedPartners
 from pipeline.study.statistics import Agreement, agreement, calibration, precision
 from pipeline.tables.schemas import column
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
@@ -43,7 +43,7 @@ class Parameters:
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class PairSample:
     """Pairs (k, 2), i < j, of one kind, with their CRS, QCRS by variant, and greatest IoU, nan = not refined."""
 
     kind: str
@@ -53,7 +53,7 @@ class Sample:
     bound: FloatArray
 
 
-def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:
     """Agreement of both variants of QCRS with CRS on three samples, and of all with the IoU that refined trunks allow.
 
     ``uniform``: pairs drawn with equal chances from all, as a ranking of the collection meets them. ``classes``: pairs
@@ -65,7 +65,7 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     of_classes = best_of_classes(finished, parameters.pairs, rng)
     if len(of_classes) >= 3:
         chosen["classes"] = of_classes
-    partners = Partners(finished.shapes, finished.config.trunks, finished.config.refine, finished.config.crs)
+    partners = StudiedPartners(finished.shapes, finished.config.trunks, finished.config.refine, finished.config.crs)
     samples = []
     for kind, pairs in chosen.items():
         say(f"CRS of {len(pairs)} pairs, {kind} …")
@@ -77,7 +77,7 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
         refined = rng.permutation(len(pairs))[: parameters.bounds if kind == "uniform" else 0]
         for index in refined.tolist():
             bound[index] = max(0.0, partners.bound(*pairs[index].tolist()))
-        samples.append(Sample(kind, pairs, cross, quick, bound))
+        samples.append(PairSample(kind, pairs, cross, quick, bound))
     mined = _selected(finished, partners)
     return _findings(finished, parameters, [*samples, *([mined] if len(mined.pairs) >= 3 else [])])
 
@@ -95,7 +95,7 @@ def uniform(shapes: int, count: int, rng: np.random.Generator) -> IntArray:
     return np.stack([i, numbers - begins[i] + i + 1], axis=1).astype(np.int64)
 
 
-def best_of_classes(finished: Finished, count: int, rng: np.random.Generator) -> IntArray:
+def best_of_classes(finished: StudiedRun, count: int, rng: np.random.Generator) -> IntArray:
     """(k, 2) pairs i < j among the shape of best reversibility of each class, at most ``count`` of them at random."""
     reversible = np.nan_to_num(finished.values("reversibility", "score"), nan=-1.0)
     best: dict[str, int] = {}
@@ -110,7 +110,7 @@ def best_of_classes(finished: Finished, count: int, rng: np.random.Generator) ->
     return drawn
 
 
-def _selected(finished: Finished, partners: Partners) -> Sample:
+def _selected(finished: StudiedRun, partners: StudiedPartners) -> PairSample:
     """The pairs with CRS that the run refined."""
     table = finished.table("crs", "i", "j", "score", "bound")
     i, j, cross, bound = (np.asarray(column_values.to_numpy(), dtype=np.float64) for column_values in table.columns)
@@ -118,10 +118,10 @@ def _selected(finished: Finished, partners: Partners) -> Sample:
     quick = {variant: _quick(finished, pairs, variant, partners) for variant in QCRS_VARIANTS} if len(pairs) else {}
     known = np.isfinite([cross, bound, *quick.values()]).all(axis=0)
     of_known = {variant: column_values[known] for variant, column_values in quick.items()}
-    return Sample("selected", pairs[known], cross[known], of_known, bound[known])
+    return PairSample("selected", pairs[known], cross[known], of_known, bound[known])
 
 
-def _quick(finished: Finished, pairs: IntArray, variant: QcrsVariant, partners: Partners) -> FloatArray:
+def _quick(finished: StudiedRun, pairs: IntArray, variant: QcrsVariant, partners: StudiedPartners) -> FloatArray:
     """QCRS of one variant: the run's own from its tables, the other by the variant's own sigmas."""
     settings = finished.config
     if variant == settings.qcrs.variant:
@@ -131,7 +131,7 @@ def _quick(finished: Finished, pairs: IntArray, variant: QcrsVariant, partners: 
     return score_pairs(stacked, stacked, local.reshape(-1, 2).astype(np.int64), QCRS_VARIANTS[variant]).score
 
 
-def _findings(finished: Finished, parameters: Parameters, samples: list[Sample]) -> Findings:
+def _findings(finished: StudiedRun, parameters: Parameters, samples: list[PairSample]) -> Findings:
     meets, tops, figures = [], [], {}
     agreements: dict[tuple[str, str], Agreement] = {}
     for sample in samples:
@@ -170,7 +170,7 @@ def _findings(finished: Finished, parameters: Parameters, samples: list[Sample])
     )  # fmt: skip
 
 
-def _comparisons(sample: Sample) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
+def _comparisons(sample: PairSample) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
     """Names and values of a score and what it is held beside, where at least two values of both differ."""
     refined = np.isfinite(sample.bound)
     scores = {f"QCRS {variant}": quick for variant, quick in sample.quick.items()}
@@ -194,7 +194,7 @@ def _cells(agreed: Agreement) -> tuple[str, ...]:
     )
 
 
-def _table(samples: list[Sample]) -> pa.Table:
+def _table(samples: list[PairSample]) -> pa.Table:
     score = "score in [0, 1]"
     joined = {
         "cross": np.concatenate([sample.cross for sample in samples]),

@@ -17,7 +17,7 @@ INDEX = "index.html"
 
 
 @dataclass(frozen=True)
-class Entry:
+class StudySummary:
     """A study on the page; ``lead`` are its findings in a sentence or two, None unless it was made."""
 
     name: str
@@ -34,7 +34,7 @@ def write_contents(run_dir: Path) -> Path:
     folder = run_dir / STUDY
     folder.mkdir(exist_ok=True)
     studies = [
-        Entry(name, meaning, _lead(folder / name / TABLE), f"{name}/{PAGE}") for name, meaning in STUDIES.items()
+        StudySummary(name, meaning, _lead(folder / name / TABLE), f"{name}/{PAGE}") for name, meaning in STUDIES.items()
     ]
     write_atomically(folder / INDEX, render("studies.html", run=run_dir.name, studies=studies).encode())
     return folder / INDEX

@@ -12,7 +12,7 @@ import pyarrow as pa
 from pipeline.errors import ConfigError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
-from pipeline.study.finished import Finished
+from pipeline.study.finished import StudiedRun
 from pipeline.study.statistics import quantiles
 from pipeline.tables.schemas import column
 from riot.types import FloatArray, IntArray
@@ -48,7 +48,7 @@ class Group:
         return "shapes" if self.score == "S_r" else "pairs"
 
 
-def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:
     """Distributions of S_r and QCRS, over everything and by class, and shapes at equal steps of rank by S_r."""
     reversible = finished.values("reversibility", "score")
     groups = list(_groups(finished, reversible))
@@ -108,7 +108,7 @@ def _told(group: Group) -> str:
     return f"{group.score} of {len(known):,} {group.things}: {', '.join(phrases)}."
 
 
-def _groups(finished: Finished, reversible: FloatArray) -> Iterator[Group]:
+def _groups(finished: StudiedRun, reversible: FloatArray) -> Iterator[Group]:
     i, j, score = (finished.quick.column(name).to_numpy() for name in ("i", "j", "score"))
     yield Group("S_r", "", reversible)
     yield Group("QCRS", "", score)

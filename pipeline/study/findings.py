@@ -43,7 +43,7 @@ class Sheet:
 
 
 @dataclass(frozen=True)
-class Picture:
+class FigureImage:
     """A figure of the page: an SVG file in base64; a wide one fills the page's width."""
 
     data: str
@@ -96,7 +96,7 @@ def write_findings(findings: Findings, folder: Path) -> Path:
         write_atomically(folder / f"{name}.png", png(figure))
         width, height = figure.get_size_inches()
         # As an image of its own, the ids of one figure do not meet those of another.
-        pictures.append(Picture(base64.b64encode(drawn).decode(), caption, width > WIDE * height))
+        pictures.append(FigureImage(base64.b64encode(drawn).decode(), caption, width > WIDE * height))
     page = render("study.html", findings=findings, pictures=pictures, table=TABLE)
     write_atomically(folder / PAGE, page.encode())
     return folder / PAGE

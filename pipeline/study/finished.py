@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from pipeline.config.schema import Config
 from pipeline.errors import StartError
-from pipeline.match.search import Mined, open_mined
+from pipeline.match.search import MinedRun, open_mined
 from pipeline.stages.shape_arrays import count_shapes, unpack_shape
 from pipeline.tables import schemas as tables
 from riot.geometry.shape import Shape
@@ -21,13 +21,13 @@ from riot.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
-class Finished:
+class StudiedRun:
     """A finished run, mined by the code that is here."""
 
-    mined: Mined
+    mined: MinedRun
 
     @classmethod
-    def open(cls, folder: Path) -> Finished:
+    def open(cls, folder: Path) -> StudiedRun:
         """The run in ``folder`` and the store that it names; raises `StartError` as `open_mined`."""
         return cls(open_mined(folder))
 

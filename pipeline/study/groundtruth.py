@@ -12,10 +12,19 @@ import pyarrow as pa
 from pipeline.errors import ConfigError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
-from pipeline.study.finished import Finished
+from pipeline.study.finished import StudiedRun
 from pipeline.study.hidden import hide
-from pipeline.study.partners import Partners
-from pipeline.study.recovery import QUANTILES, WAYS, Closeness, Figure, Found, Search, figures, quantiles
+from pipeline.study.partners import StudiedPartners
+from pipeline.study.recovery import (
+    QUANTILES,
+    WAYS,
+    Closeness,
+    Recovery,
+    RecoverySearch,
+    RecoveryShare,
+    figures,
+    quantiles,
+)
 from pipeline.tables.schemas import column
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
 from riot.types import FloatArray
@@ -45,7 +54,7 @@ class Parameters:
                 raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
 
 
-def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:
     """Ranks of the true partner by QCRS, of both variants, and by CRS and IoU with the run's; IoU of the hidden pairs.
 
     Trunks and refinement are found with the run's parameters.
@@ -54,9 +63,10 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     shapes = [side.shape for pair in pairs for side in (pair.p, pair.q)] + finished.shapes
     settings, own_variant = finished.config, finished.config.qcrs.variant
     searched = {
-        variant: Partners(shapes, settings.trunks, settings.refine, settings.crs, variant) for variant in QCRS_VARIANTS
+        variant: StudiedPartners(shapes, settings.trunks, settings.refine, settings.crs, variant)
+        for variant in QCRS_VARIANTS
     }
-    search = Search(pairs, searched[own_variant], parameters.keep, parameters.few)
+    search = RecoverySearch(pairs, searched[own_variant], parameters.keep, parameters.few)
     recoveries = search.run(say)
     close = [search.closeness(number) for number in range(len(pairs))]
     ranks = {own_variant: np.array([float(recovery.quick_rank) for recovery in recoveries])}
@@ -67,7 +77,7 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     return _findings(finished, parameters, recoveries, close, ranks, left_out)
 
 
-def _quick_ranks(partners: Partners, hidden: int) -> FloatArray:
+def _quick_ranks(partners: StudiedPartners, hidden: int) -> FloatArray:
     """(hidden,) rank of each hidden shape's partner by QCRS, from 1, behind all of equal score."""
     scores = partners.quick_scores(hidden)
     mates = scores[np.arange(hidden), np.arange(hidden) ^ 1]
@@ -75,9 +85,9 @@ def _quick_ranks(partners: Partners, hidden: int) -> FloatArray:
 
 
 def _findings(
-    finished: Finished,
+    finished: StudiedRun,
     parameters: Parameters,
-    recoveries: Sequence[Found],
+    recoveries: Sequence[Recovery],
     close: Sequence[Closeness],
     ranks: dict[QcrsVariant, FloatArray],
     left_out: int,
@@ -114,17 +124,19 @@ def _findings(
     )  # fmt: skip
 
 
-def _sizes(rows: Sequence[Figure]) -> list[str]:
+def _sizes(rows: Sequence[RecoveryShare]) -> list[str]:
     return [f"n = {n}" for n in sorted({n for row in rows for n in row.by_n})]
 
 
-def _cells(row: Figure) -> tuple[str, ...]:
+def _cells(row: RecoveryShare) -> tuple[str, ...]:
     aim = "" if row.target is None else f"{row.target:.0%}"
     by_n = [f"{good}/{total}" for good, total in row.by_n.values()]
     return row.name, str(row.good), str(row.of), f"{row.low:.1%} – {row.high:.1%}", aim, *by_n
 
 
-def _table(recoveries: Sequence[Found], close: Sequence[Closeness], ranks: dict[QcrsVariant, FloatArray]) -> pa.Table:
+def _table(
+    recoveries: Sequence[Recovery], close: Sequence[Closeness], ranks: dict[QcrsVariant, FloatArray]
+) -> pa.Table:
     kinds = {"str": pa.string(), "int": pa.int32(), "bool": pa.bool_(), "float": pa.float64(), "int | None": pa.int32()}
     meanings = {
         "name": "hidden shape",
@@ -147,7 +159,7 @@ def _table(recoveries: Sequence[Found], close: Sequence[Closeness], ranks: dict[
             column(each.name, kinds[str(each.type)], meanings[each.name]),
             [getattr(recovery, each.name) for recovery in recoveries],
         )
-        for each in fields(Found)
+        for each in fields(Recovery)
     ]
     columns += [
         (

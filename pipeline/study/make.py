@@ -14,7 +14,7 @@ from pipeline.config.command_line import check_command, complete
 from pipeline.errors import ConfigError
 from pipeline.study.contents import write_contents
 from pipeline.study.findings import Findings, write_findings
-from pipeline.study.finished import Finished
+from pipeline.study.finished import StudiedRun
 from pipeline.tables.outputs import run_folder
 from pipeline.tables.record import STUDY
 from riot.kernels.warm import warm_all
@@ -28,7 +28,7 @@ class Study(Protocol):
     @property
     def Parameters(self) -> type: ...
 
-    def study(self, finished: Finished, parameters: Any, say: Say) -> Findings: ...
+    def study(self, finished: StudiedRun, parameters: Any, say: Say) -> Findings: ...
 
 
 def make_study(name: str, study: Study, arguments: Sequence[str], say: Say) -> tuple[Findings, Path]:
@@ -41,7 +41,7 @@ def make_study(name: str, study: Study, arguments: Sequence[str], say: Say) -> t
     config = check_command(complete(run_arguments))
     warm_all(say)
     folder = run_folder(config)
-    findings = study.study(Finished.open(folder), parameters, say)
+    findings = study.study(StudiedRun.open(folder), parameters, say)
     page = write_findings(findings, folder / STUDY / name)
     write_contents(folder)
     return findings, page

@@ -14,7 +14,7 @@ from riot.types import FloatArray
 
 
 @dataclass(frozen=True)
-class Order:
+class SigmaOrder:
     """The order by S_r with one value of one sigma, beside the run's own: Kendall's τ, and how much of the best tenth
     stays there."""
 
@@ -35,7 +35,7 @@ def reordered(s1: FloatArray, s2: FloatArray, pa_factor: float, w_factor: float)
 
 def orders(
     s1: FloatArray, s2: FloatArray, default: Mapping[str, float], values: Mapping[str, Sequence[float]]
-) -> Iterator[Order]:
+) -> Iterator[SigmaOrder]:
     """By ``sigma_pa``, then ``sigma_w``, and rising value, the default's among them; both terms are the default's."""
     known = np.isfinite(s1) & np.isfinite(s2)
     s1, s2 = s1[known], s2[known]
@@ -46,4 +46,4 @@ def orders(
             factors = [value / default[name] if name == sigma else 1.0 for sigma in ("sigma_pa", "sigma_w")]
             score = reordered(s1, s2, *factors)
             kendall = float(stats.kendalltau(score, reference).statistic)
-            yield Order(name, value, value == default[name], kendall, precision(score, reference, best))
+            yield SigmaOrder(name, value, value == default[name], kendall, precision(score, reference, best))

@@ -14,13 +14,13 @@ from matplotlib.figure import Figure
 from pipeline.errors import ConfigError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, encoded, of_columns
-from pipeline.study.finished import Finished
+from pipeline.study.finished import StudiedRun
 from pipeline.study.groundtruth import PIECES
 from pipeline.study.hidden import hide
-from pipeline.study.ordering import Order, orders
+from pipeline.study.ordering import SigmaOrder, orders
 from pipeline.study.registry import TIMES
 from pipeline.study.statistics import wilson
-from pipeline.study.varied import Outcome, vary
+from pipeline.study.varied import TrunkOutcome, vary
 from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT
 from riot.draw.palette import PIECES as COLOURS
@@ -48,7 +48,7 @@ MARGINS = {
 }
 """What the exact pairs are like, by whether their margins are narrow."""
 
-Row = TypeVar("Row", Outcome, Order)
+Varied = TypeVar("Varied", TrunkOutcome, SigmaOrder)
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Parameters:
                     raise ConfigError(f"{name}: values must be above 0{', below 1' * (name == 'tau_c')}, got {value}")
 
 
-def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:
     """Vary one parameter at a time. CPU times go to `TIMES`, beside the table, since they differ between equal runs."""
     pairs, _ = hide(parameters.pairs, PIECES, narrow=parameters.narrow)
     hidden = [side for pair in pairs for side in (pair.p, pair.q)]
@@ -96,7 +96,7 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     return replace(_findings(finished, parameters, outcomes, sigma_orders), files={TIMES: times})
 
 
-def _times(outcomes: Sequence[Outcome], say: Callable[[str], None]) -> bytes:
+def _times(outcomes: Sequence[TrunkOutcome], say: Callable[[str], None]) -> bytes:
     """The table of times; each is told as well."""
     default_seconds = next(outcome.seconds for outcome in outcomes if outcome.default)
     for outcome in outcomes:
@@ -120,7 +120,7 @@ def _times(outcomes: Sequence[Outcome], say: Callable[[str], None]) -> bytes:
 
 
 def _findings(
-    finished: Finished, parameters: Parameters, outcomes: Sequence[Outcome], orders: Sequence[Order]
+    finished: StudiedRun, parameters: Parameters, outcomes: Sequence[TrunkOutcome], orders: Sequence[SigmaOrder]
 ) -> Findings:
     hidden_shapes, counted = len(outcomes[0].error), len(outcomes[0].trunks)
     trunk_rows = [
@@ -137,8 +137,8 @@ def _findings(
         f"Parameters on {finished.mined.dataset}",
         f"One parameter at a time, the others as the run has them. True trunks are those of {hidden_shapes} shapes of "
         f"exact pairs, drawn as pictures, {MARGINS[parameters.narrow]}; they are found if a candidate trunk is near at "
-        f"every corner. Trunks are counted in {counted} shapes of the run. The order by S_r is that of all its shapes, and "
-        f"depends on the ratio of the two sigmas alone. Times are in {TIMES} beside this page.",
+        f"every corner. Trunks are counted in {counted} shapes of the run. The order by S_r is that of all its shapes, "
+        f"and depends on the ratio of the two sigmas alone. Times are in {TIMES} beside this page.",
         _table(outcomes, orders),
         [
             Sheet("Findings", ("parameter", "paper", "here"), words, 3),
@@ -160,17 +160,17 @@ def _findings(
     )  # fmt: skip
 
 
-def _value(row: Outcome | Order) -> str:
+def _value(row: TrunkOutcome | SigmaOrder) -> str:
     return f"{row.value:g}" + " (run)" * row.default
 
 
-def _lost(outcome: Outcome) -> str:
+def _lost(outcome: TrunkOutcome) -> str:
     return ", ".join(
         f"{test} {count}" for test, count in sorted(outcome.lost.items(), key=lambda item: (-item[1], item[0]))
     )
 
 
-def _trunk_words(outcomes: Sequence[Outcome]) -> dict[str, str]:
+def _trunk_words(outcomes: Sequence[TrunkOutcome]) -> dict[str, str]:
     """A sentence or two on each parameter of candidate trunks, from the values."""
     words = {}
     for name in dict.fromkeys(outcome.parameter for outcome in outcomes):
@@ -190,7 +190,7 @@ def _trunk_words(outcomes: Sequence[Outcome]) -> dict[str, str]:
     return words
 
 
-def _order_words(orders: Sequence[Order]) -> dict[str, str]:
+def _order_words(orders: Sequence[SigmaOrder]) -> dict[str, str]:
     """A sentence on each sigma that was varied, from the values."""
     words = {}
     for name in dict.fromkeys(order.parameter for order in orders):
@@ -204,7 +204,7 @@ def _order_words(orders: Sequence[Order]) -> dict[str, str]:
     return words
 
 
-def _series(rows: Sequence[Row], measure: Callable[[Row], float]) -> dict[str, tuple[list[float], list[float]]]:
+def _series(rows: Sequence[Varied], measure: Callable[[Varied], float]) -> dict[str, tuple[list[float], list[float]]]:
     """By parameter: its values over the default's, and a measure."""
     series: dict[str, tuple[list[float], list[float]]] = {}
     for name in dict.fromkeys(row.parameter for row in rows):
@@ -229,13 +229,13 @@ def _lines(series: Mapping[str, tuple[list[float], list[float]]], y: str, logari
     return figure
 
 
-def _table(outcomes: Sequence[Outcome], orders: Sequence[Order]) -> pa.Table:
-    rows: list[Outcome | Order] = [*outcomes, *orders]
+def _table(outcomes: Sequence[TrunkOutcome], orders: Sequence[SigmaOrder]) -> pa.Table:
+    rows: list[TrunkOutcome | SigmaOrder] = [*outcomes, *orders]
 
-    def trunk(name: str, kind: pa.DataType, meaning: str, unit: str, value: Callable[[Outcome], Any]) -> Any:
+    def trunk(name: str, kind: pa.DataType, meaning: str, unit: str, value: Callable[[TrunkOutcome], Any]) -> Any:
         return column(name, kind, meaning, unit), [*map(value, outcomes), *([None] * len(orders))]
 
-    def order(name: str, meaning: str, value: Callable[[Order], float]) -> Any:
+    def order(name: str, meaning: str, value: Callable[[SigmaOrder], float]) -> Any:
         return column(name, pa.float64(), meaning, "1"), [*([None] * len(outcomes)), *map(value, orders)]
 
     return of_columns(

@@ -42,7 +42,7 @@ class Clock:
         self.last = now
 
 
-class Partners:
+class StudiedPartners:
     """Shapes, by number, and what their pairs give; ``variant`` is that of QCRS."""
 
     def __init__(

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from pipeline.errors import ConfigError, StartError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
-from pipeline.study.finished import Finished
-from pipeline.study.partners import Partners
+from pipeline.study.finished import StudiedRun
+from pipeline.study.partners import StudiedPartners
 from pipeline.study.quiz_page import Answers, quiz_page
-from pipeline.study.quiz_pairs import Pair, choose
+from pipeline.study.quiz_pairs import QuizPair, choose
 from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT, PIECES
 from riot.errors import FormatError
@@ -54,10 +54,10 @@ class Parameters:
             raise ConfigError(f"seed: must be 0 or more, got {self.seed}")
 
 
-def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:
     """Choose the pairs, let the scores answer, and make the sheet, `QUIZ`, that goes beside the study's page."""
     say(f"choosing {parameters.pairs} pairs …")
-    partners = Partners(finished.shapes, finished.config.trunks, finished.config.refine, finished.config.crs)
+    partners = StudiedPartners(finished.shapes, finished.config.trunks, finished.config.refine, finished.config.crs)
     pairs = choose(finished, partners, parameters.pairs, parameters.margin, np.random.default_rng(parameters.seed))
     reversible = finished.values("reversibility", "score")
     answers = Answers(
@@ -74,17 +74,17 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     return replace(findings, files={QUIZ: page.encode()})
 
 
-def right_answers(pairs: Sequence[Pair], scores: Sequence[float], threshold: float) -> int:
+def right_answers(pairs: Sequence[QuizPair], scores: Sequence[float], threshold: float) -> int:
     """How many pairs a score is right about that calls those above ``threshold`` reversible."""
     return sum((score > threshold) == pair.reversible for pair, score in zip(pairs, scores, strict=True))
 
 
-def with_hindsight(pairs: Sequence[Pair], scores: Sequence[float]) -> int:
+def with_hindsight(pairs: Sequence[QuizPair], scores: Sequence[float]) -> int:
     """The greatest number of `right_answers` that any threshold gives."""
     return max(right_answers(pairs, scores, threshold) for threshold in (-1.0, *scores))
 
 
-def _transform(finished: Finished, file: str) -> Transform:
+def _transform(finished: StudiedRun, file: str) -> Transform:
     path = finished.mined.folder / file
     try:
         return from_json(path.read_text(encoding="utf-8"), str(path))
@@ -93,7 +93,7 @@ def _transform(finished: Finished, file: str) -> Transform:
 
 
 def _findings(
-    finished: Finished, parameters: Parameters, pairs: Sequence[Pair], reversible: FloatArray, answers: Answers
+    finished: StudiedRun, parameters: Parameters, pairs: Sequence[QuizPair], reversible: FloatArray, answers: Answers
 ) -> Findings:
     count = len(pairs)
     scores = {"QCRS": [pair.quick for pair in pairs], "CRS": [pair.cross for pair in pairs]}
@@ -126,12 +126,12 @@ def _findings(
     )  # fmt: skip
 
 
-def _reversibilities(pairs: Sequence[Pair], reversible: FloatArray) -> tuple[list[float], list[float]]:
+def _reversibilities(pairs: Sequence[QuizPair], reversible: FloatArray) -> tuple[list[float], list[float]]:
     both = np.sort(reversible[[(pair.left, pair.right) for pair in pairs]], axis=1)
     return both[:, 0].tolist(), both[:, 1].tolist()
 
 
-def _half(pairs: Sequence[Pair], reversible: FloatArray, which: bool) -> tuple[str, ...]:
+def _half(pairs: Sequence[QuizPair], reversible: FloatArray, which: bool) -> tuple[str, ...]:
     """Range of what is known of one half."""
     half = [pair for pair in pairs if pair.reversible == which]
     known = ([pair.worth for pair in half], [pair.quick for pair in half], [pair.cross for pair in half],
@@ -140,7 +140,12 @@ def _half(pairs: Sequence[Pair], reversible: FloatArray, which: bool) -> tuple[s
 
 
 def _scatter(
-    pairs: Sequence[Pair], x: Sequence[float], y: Sequence[float], x_name: str, y_name: str, line: float | None = None
+    pairs: Sequence[QuizPair],
+    x: Sequence[float],
+    y: Sequence[float],
+    x_name: str,
+    y_name: str,
+    line: float | None = None,
 ) -> Figure:
     """The pairs of either half by two scores in [0, 1]."""
     figure, plot = plots.axes(x_name, y_name)
@@ -158,7 +163,7 @@ def _scatter(
     return figure
 
 
-def _table(finished: Finished, pairs: Sequence[Pair], reversible: FloatArray, threshold: float) -> pa.Table:
+def _table(finished: StudiedRun, pairs: Sequence[QuizPair], reversible: FloatArray, threshold: float) -> pa.Table:
     names, classes = finished.mined.names, finished.classes
     left, right = [pair.left for pair in pairs], [pair.right for pair in pairs]
     unit = "score in [0, 1]"

@@ -14,8 +14,8 @@ from markupsafe import Markup
 
 from pipeline.report.environment import render
 from pipeline.report.thumb import HEIGHT, WIDTH, thumb
-from pipeline.study.finished import Finished
-from pipeline.study.quiz_pairs import Pair
+from pipeline.study.finished import StudiedRun
+from pipeline.study.quiz_pairs import QuizPair
 from riot.draw.palette import LIGHT
 from riot.draw.panels import DETAIL
 from riot.draw.scene import Region, Scene
@@ -49,7 +49,7 @@ class Question:
     """
 
     number: int
-    pair: Pair
+    pair: QuizPair
     silhouettes: tuple[Markup, Markup]
     names: tuple[str, str]
     reversibilities: tuple[float, float]
@@ -57,8 +57,8 @@ class Question:
 
 
 def quiz_page(
-    finished: Finished,
-    pairs: Sequence[Pair],
+    finished: StudiedRun,
+    pairs: Sequence[QuizPair],
     transforms: Mapping[str, Transform],
     reversible: FloatArray,
     answers: Answers,
@@ -89,7 +89,7 @@ def quiz_page(
     )
 
 
-def _silhouettes(finished: Finished, number: int, pair: Pair) -> tuple[Markup, Markup]:
+def _silhouettes(finished: StudiedRun, number: int, pair: QuizPair) -> tuple[Markup, Markup]:
     outlines = [finished.shapes[shape].points for shape in (pair.left, pair.right)]
     centred = [points - (points.min(axis=0) + points.max(axis=0)) / 2.0 for points in outlines]
     # One scale for both: their areas are equal, and are to look it.
@@ -108,12 +108,12 @@ def _silhouette(points: FloatArray, title: str, half: float) -> Markup:
     return Markup(fragment(scene, ""))
 
 
-def _kind(finished: Finished, shape: int) -> str:
+def _kind(finished: StudiedRun, shape: int) -> str:
     """What stands for a silhouette to those who cannot see it."""
     return f"silhouette of class {cls}" if (cls := finished.classes[shape]) else "silhouette without a class"
 
 
-def _transform(number: int, pair: Pair, transform: Transform, names: Sequence[str]) -> tuple[str, str]:
+def _transform(number: int, pair: QuizPair, transform: Transform, names: Sequence[str]) -> tuple[str, str]:
     # A transform's P is the shape of the lower number, on whichever side the quiz shows it.
     p, q = sorted((pair.left, pair.right))
     words = f"Pair {number}: {names[p]} and {names[q]}, each of the same {len(transform)} pieces"

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.errors import StartError
-from pipeline.study.finished import Finished
-from pipeline.study.partners import Partners
+from pipeline.study.finished import StudiedRun
+from pipeline.study.partners import StudiedPartners
 from riot.types import BoolArray, FloatArray, IntArray
 
 NEAREST = 40
@@ -25,7 +25,7 @@ TRIED = 100
 
 
 @dataclass(frozen=True)
-class Pair:
+class QuizPair:
     """Two shapes, by number, as the quiz shows them, and what is known of them.
 
     ``worth`` is the IoU of the worse shape with its input: of the certified transform if the pair is reversible, else
@@ -41,7 +41,9 @@ class Pair:
     file: str = ""
 
 
-def choose(finished: Finished, partners: Partners, count: int, margin: float, rng: np.random.Generator) -> list[Pair]:
+def choose(
+    finished: StudiedRun, partners: StudiedPartners, count: int, margin: float, rng: np.random.Generator
+) -> list[QuizPair]:
     """``count`` pairs, an even number, in an order drawn by lot; no shape is in two of them.
 
     One half are certified transforms of the run. Each has a counterpart among the other half: two other shapes, about
@@ -59,7 +61,7 @@ def choose(finished: Finished, partners: Partners, count: int, margin: float, rn
     return [shown[k] for k in rng.permutation(len(shown)).tolist()]
 
 
-def reversible_pairs(finished: Finished, count: int, rng: np.random.Generator) -> list[Pair]:
+def reversible_pairs(finished: StudiedRun, count: int, rng: np.random.Generator) -> list[QuizPair]:
     """Certified transforms by lot from the half of highest IoU, and from the others if these are too few.
 
     No shape is in two of them, nor, as long as there are others, is a pair of classes. Raises `StartError`.
@@ -67,7 +69,7 @@ def reversible_pairs(finished: Finished, count: int, rng: np.random.Generator) -
     certified = [row for row in finished.table("transforms").to_pylist() if row["status"] == "certified"]
     best = (len(certified) + 1) // 2
     lots = [certified[k] for k in rng.permutation(best).tolist()] + certified[best:]
-    chosen: list[Pair] = []
+    chosen: list[QuizPair] = []
     used: set[int] = set()
     kinds: set[frozenset[str]] = set()
     for again in (False, True):
@@ -77,7 +79,7 @@ def reversible_pairs(finished: Finished, count: int, rng: np.random.Generator) -
                 continue
             used |= {row["i"], row["j"]}
             kinds.add(kind)
-            chosen.append(Pair(row["i"], row["j"], True, row["iou"], row["qcrs"], row["crs"], row["file"]))
+            chosen.append(QuizPair(row["i"], row["j"], True, row["iou"], row["qcrs"], row["crs"], row["file"]))
     if not chosen:
         raise StartError(f"{finished.mined.folder}: no certified transform; the quiz needs a run that made some")
     if len(chosen) < count:
@@ -89,19 +91,19 @@ def reversible_pairs(finished: Finished, count: int, rng: np.random.Generator) -
 
 
 def _counterparts(
-    finished: Finished, partners: Partners, pairs: Sequence[Pair], limit: float, rng: np.random.Generator
-) -> list[Pair]:
+    finished: StudiedRun, partners: StudiedPartners, pairs: Sequence[QuizPair], limit: float, rng: np.random.Generator
+) -> list[QuizPair]:
     """One pair for each of ``pairs`` that is not reversible with an IoU above ``limit``; raises `StartError`."""
     score = finished.values("reversibility", "score")
     # Without trunks QCRS and CRS are 0 for want of anything to compare, which shows no pair to be irreversible.
     free = np.isfinite(score) & (finished.values("shapes", "trunks") > 0)
     free[[number for pair in pairs for number in (pair.left, pair.right)]] = False
-    counterparts: list[Pair] = []
+    counterparts: list[QuizPair] = []
     for pair in pairs:
         for (left, right), quick in _alike(finished, pair, score, free, rng):
             bound = partners.bound(left, right)
             if bound <= limit:
-                counterparts.append(Pair(left, right, False, max(bound, 0.0), quick, partners.cross(left, right)))
+                counterparts.append(QuizPair(left, right, False, max(bound, 0.0), quick, partners.cross(left, right)))
                 free[[left, right]] = False
                 break
         else:
@@ -114,7 +116,7 @@ def _counterparts(
 
 
 def _alike(
-    finished: Finished, pair: Pair, score: FloatArray, free: BoolArray, rng: np.random.Generator
+    finished: StudiedRun, pair: QuizPair, score: FloatArray, free: BoolArray, rng: np.random.Generator
 ) -> Iterator[tuple[tuple[int, int], float]]:
     """Pairs (left, right) of ``free`` shapes as reversible as those of ``pair``, of low QCRS, in an order by lot."""
     sides = [_nearest(score, free, score[number]) for number in (pair.left, pair.right)]

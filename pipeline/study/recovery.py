@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.study.hidden import HiddenPair, failed_test
-from pipeline.study.partners import Clock, Partners, attempt
+from pipeline.study.partners import Clock, StudiedPartners, attempt
 from pipeline.study.statistics import wilson
 from riot.construction.trunk_choice import construct
 from riot.errors import RiotError
@@ -34,7 +34,7 @@ QUANTILES = {"least": 0.0, "p5": 0.05, "median": 0.5, "greatest": 1.0}
 
 
 @dataclass(frozen=True)
-class Found:
+class Recovery:
     """What became of the partner of one hidden shape; ranks from 1, None where the partner did not get so far.
 
     ``quick_lost`` and ``full_lost`` name the test which the shape's or its partner's true trunk fails, "" if none does;
@@ -69,15 +69,15 @@ class Closeness:
     refusals: tuple[str, ...] = ()
 
 
-class Search:
+class RecoverySearch:
     """A collection with the hidden shapes first: pair k's are 2k and 2k + 1."""
 
-    def __init__(self, hidden: Sequence[HiddenPair], partners: Partners, keep: int, few: int) -> None:
+    def __init__(self, hidden: Sequence[HiddenPair], partners: StudiedPartners, keep: int, few: int) -> None:
         self.hidden = [side for pair in hidden for side in (pair.p, pair.q)]
         self.pairs, self.keep, self.few = hidden, keep, few
         self.partners, self.clock = partners, Clock()
 
-    def run(self, say: Callable[[str], None]) -> list[Found]:
+    def run(self, say: Callable[[str], None]) -> list[Recovery]:
         """QCRS, CRS and construction for every hidden shape."""
         scores = self.partners.quick_scores(len(self.hidden))
         self.clock.tick("QCRS")
@@ -88,7 +88,7 @@ class Search:
                 say(f"CRS and construction of {i + 1} of {len(self.hidden)} hidden shapes …")
         return recoveries
 
-    def follow(self, i: int, quick: FloatArray) -> Found:
+    def follow(self, i: int, quick: FloatArray) -> Recovery:
         """What becomes of the partner of hidden shape i, whose QCRS with all shapes are ``quick``."""
         mate, partners = i ^ 1, self.partners
         kept = [int(j) for j in np.argsort(-quick, kind="stable")[: self.keep] if quick[j] > 0.0]
@@ -105,7 +105,7 @@ class Search:
         full_lost = next(filter(None, (self._failed_test(k, False) for k in (i, mate))), "")
         self.clock.tick("looking for the true trunks")
         pair = self.pairs[i // 2]
-        recovery = Found(
+        recovery = Recovery(
             name=self.hidden[i].shape.name,
             n=pair.n,
             topology=pair.topology,
@@ -126,7 +126,7 @@ class Search:
         trunks = self.partners.quick[k] if quick else self.partners.side(k).trunks
         return failed_test(self.hidden[k], trunks, quick, self.partners.parameters)
 
-    def _cause(self, recovery: Found, i: int, few: Sequence[int]) -> str:
+    def _cause(self, recovery: Recovery, i: int, few: Sequence[int]) -> str:
         """Where the partner was lost; "" if it is first in the end."""
         if recovery.final_rank == 1:
             return ""
@@ -162,7 +162,7 @@ def _rank(scores: FloatArray, number: int) -> int:
 
 
 @dataclass(frozen=True)
-class Figure:
+class RecoveryShare:
     """A share of hidden shapes, or of pairs: ``good`` of ``of``, its interval, and what is aimed at."""
 
     name: str
@@ -179,9 +179,9 @@ class Figure:
         return self.good / self.of
 
 
-def figures(recoveries: Sequence[Found], close: Sequence[Closeness], keep: int) -> list[Figure]:
+def figures(recoveries: Sequence[Recovery], close: Sequence[Closeness], keep: int) -> list[RecoveryShare]:
     """All shares."""
-    tests: list[tuple[str, float | None, Callable[[Found], bool]]] = [
+    tests: list[tuple[str, float | None, Callable[[Recovery], bool]]] = [
         ("QCRS: a trunk near the true one, both shapes", None, lambda recovery: recovery.quick_lost == ""),
         ("QCRS: partner first", None, lambda recovery: recovery.quick_rank == 1),
         ("QCRS: among the first three", None, lambda recovery: recovery.quick_rank <= 3),
@@ -212,11 +212,11 @@ def figures(recoveries: Sequence[Found], close: Sequence[Closeness], keep: int) 
     return rows
 
 
-def _figure(name: str, target: float | None, results: Sequence[tuple[int, bool]], together: int) -> Figure:
+def _figure(name: str, target: float | None, results: Sequence[tuple[int, bool]], together: int) -> RecoveryShare:
     good, total = sum(ok for _, ok in results), len(results)
     sizes = sorted({n for n, _ in results})
     by_n = {n: (sum(ok for m, ok in results if m == n), sum(m == n for m, _ in results)) for n in sizes}
-    return Figure(name, good, total, *wilson(good, total, together), target, by_n)
+    return RecoveryShare(name, good, total, *wilson(good, total, together), target, by_n)
 
 
 def quantiles(close: Sequence[Closeness]) -> dict[str, dict[str, float]]:

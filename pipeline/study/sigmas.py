@@ -16,8 +16,8 @@ from pipeline.errors import ConfigError
 from pipeline.study import plots
 from pipeline.study.consistency import uniform
 from pipeline.study.findings import Findings, Sheet, encoded, of_columns
-from pipeline.study.finished import Finished
-from pipeline.study.partners import Partners
+from pipeline.study.finished import StudiedRun
+from pipeline.study.partners import StudiedPartners
 from pipeline.study.registry import TIMES
 from pipeline.study.statistics import Agreement, agreement
 from pipeline.tables.schemas import column
@@ -59,7 +59,7 @@ class Choice:
     price: float
 
 
-def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:
     """Agreement with CRS and price of every value, on the trunks of both variants.
 
     The sigmas of edges and angles are the variant's own. Prices go to `TIMES` and to the page, not to the table, since
@@ -69,7 +69,7 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     pairs = uniform(len(finished.mined.names), parameters.pairs, rng)
     drawn = np.sort(rng.permutation(len(finished.mined.names))[: parameters.shapes])
     settings = finished.config
-    partners = Partners(finished.shapes, settings.trunks, settings.refine, settings.crs)
+    partners = StudiedPartners(finished.shapes, settings.trunks, settings.refine, settings.crs)
     say(f"CRS of {len(pairs)} pairs …")
     cross = np.array([partners.cross(i, j) for i, j in pairs.tolist()])
     agreements: list[tuple[QcrsVariant, QcrsParameters, Agreement]] = []
@@ -115,7 +115,7 @@ def _seconds(batches: Sequence[TrunkStack], sigmas: QcrsParameters) -> float:
     return time.process_time() - begun
 
 
-def _findings(finished: Finished, choices: Sequence[Choice]) -> Findings:
+def _findings(finished: StudiedRun, choices: Sequence[Choice]) -> Findings:
     # Said of orders alone: the lead goes into the table, and prices differ between equal runs.
     own_orders = "; ".join(
         f"{choice.agreed.alike} of {choice.agreed.drawn} draws ({choice.agreed.low:.1%} to {choice.agreed.high:.1%}) "

@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
-from pipeline.study.finished import Finished
+from pipeline.study.finished import StudiedRun
 from pipeline.tables.schemas import column
 
 
@@ -20,7 +20,7 @@ class Parameters:
 
 
 @dataclass(frozen=True)
-class Step:
+class MethodStep:
     """A row of the paper's table: the stages that do the same here, the paper's seconds an item, and what an item is.
 
     The paper ran MATLAB on a desktop of 4 GHz (§6).
@@ -32,40 +32,45 @@ class Step:
     unit: str
 
 
-STEPS = (
-    Step("reversibility score", ("reversibility",), 0.12, "shape"),
-    Step("QCRS", ("qcrs",), 1.99, "pair"),
-    Step("candidate trunks", ("trunks_full",), 10.36, "shape of a selected pair"),
-    Step("trunk pair selection (CRS)", ("crs",), 11.90, "selected pair"),
-    Step("boundary deformation", ("refine", "construct"), 131.4, "pair"),
+METHOD_STEPS = (
+    MethodStep("reversibility score", ("reversibility",), 0.12, "shape"),
+    MethodStep("QCRS", ("qcrs",), 1.99, "pair"),
+    MethodStep("candidate trunks", ("trunks_full",), 10.36, "shape of a selected pair"),
+    MethodStep("trunk pair selection (CRS)", ("crs",), 11.90, "selected pair"),
+    MethodStep("boundary deformation", ("refine", "construct"), 131.4, "pair"),
 )
 
 
-def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]) -> Findings:
+def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:
     """Seconds an item of every step, as its artifacts took when they were computed; nan where the run has none."""
     rows = {str(row["stage"]): row for row in finished.table("timings").to_pylist()}
     counts = _counts(finished)
     ours = []
-    for step in STEPS:
+    for step in METHOD_STEPS:
         stage_seconds = [_seconds(rows, stage, counts) for stage in step.stages]
         ours.append(sum(stage_seconds))
-    faster = [step.paper / seconds for step, seconds in zip(STEPS, ours, strict=True)]
+    faster = [step.paper / seconds for step, seconds in zip(METHOD_STEPS, ours, strict=True)]
     table = of_columns(
         "Time of each step of the method, beside the paper's.",
         [
-            (column("step", pa.string(), "step of the method"), [step.name for step in STEPS]),
-            (column("item", pa.string(), "what the time is of"), [step.unit for step in STEPS]),
-            (column("paper", pa.float64(), "time of one item in the paper", "s"), [step.paper for step in STEPS]),
+            (column("step", pa.string(), "step of the method"), [step.name for step in METHOD_STEPS]),
+            (column("item", pa.string(), "what the time is of"), [step.unit for step in METHOD_STEPS]),
+            (
+                column("paper", pa.float64(), "time of one item in the paper", "s"),
+                [step.paper for step in METHOD_STEPS],
+            ),
             (column("ours", pa.float64(), "mean time of one item in this run, on one core; nan = none", "s"), ours),
             (column("ratio", pa.float64(), "paper / ours", "1"), faster),
         ],
     )
     cells = [
         (step.name, step.unit, _said(step.paper), _said(seconds), f"{ratio:,.0f} ×" if math.isfinite(ratio) else "–")
-        for step, seconds, ratio in zip(STEPS, ours, faster, strict=True)
+        for step, seconds, ratio in zip(METHOD_STEPS, ours, faster, strict=True)
     ]
     figure = plots.bars(
-        [step.name for step in STEPS], {"paper": [step.paper for step in STEPS], "this run": ours}, "seconds an item"
+        [step.name for step in METHOD_STEPS],
+        {"paper": [step.paper for step in METHOD_STEPS], "this run": ours},
+        "seconds an item",
     )
     return Findings(
         f"Time of {finished.mined.dataset}",
@@ -77,7 +82,7 @@ def study(finished: Finished, parameters: Parameters, say: Callable[[str], None]
     )
 
 
-def _counts(finished: Finished) -> dict[str, int]:
+def _counts(finished: StudiedRun) -> dict[str, int]:
     """How many items of the paper's kind are in a stage's work, where its work items are batches."""
     shapes = len(finished.mined.names)
     return {"reversibility": shapes, "qcrs": finished.quick.num_rows}

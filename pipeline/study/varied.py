@@ -19,7 +19,7 @@ from riot.units import L_C
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class TrunkOutcome:
     """What one value of one parameter gives.
 
     Parameters
@@ -66,7 +66,7 @@ def vary(
     default: TrunkParameters,
     values: Mapping[str, Sequence[float]],
     say: Callable[[str], None],
-) -> Iterator[Outcome]:
+) -> Iterator[TrunkOutcome]:
     """Outcomes by parameter and rising value, the default's among them; all other parameters are the default's."""
     # The default is one outcome for all parameters, so that what they are compared with is the same.
     say("candidate trunks by the run's own parameters …")
@@ -82,7 +82,7 @@ def vary(
                 yield replace(_outcome(hidden, shapes, changed), parameter=name, value=value)
 
 
-def _outcome(hidden: Sequence[Hidden], shapes: Sequence[Shape], parameters: TrunkParameters) -> Outcome:
+def _outcome(hidden: Sequence[Hidden], shapes: Sequence[Shape], parameters: TrunkParameters) -> TrunkOutcome:
     begun = time.process_time()
     hidden_trunks = [full_trunks(hidden_shape.shape, parameters) for hidden_shape in hidden]
     others = [full_trunks(shape, parameters) for shape in shapes]
@@ -96,4 +96,4 @@ def _outcome(hidden: Sequence[Hidden], shapes: Sequence[Shape], parameters: Trun
         for hidden_shape, trunks in zip(hidden, hidden_trunks, strict=True)
     )
     del lost[""]
-    return Outcome("", math.nan, False, error, lost, np.array([len(trunks) for trunks in others]), seconds)
+    return TrunkOutcome("", math.nan, False, error, lost, np.array([len(trunks) for trunks in others]), seconds)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pipeline.datasets.collection import PICTURES
 
 
-def remarks(counts: Mapping[str, int], policy: str) -> list[str]:
+def sentences(counts: Mapping[str, int], policy: str) -> list[str]:
     """Sentences on a run's ``counts`` (`pipeline.tables.record.counts`), none when nothing needs one."""
     return [
         *_trunks(counts),

@@ -12,7 +12,7 @@ from pipeline.tables.messages import several
 
 
 @dataclass(frozen=True)
-class Search:
+class PartnerSearch:
     """``k`` partners of each of ``shapes`` shapes; ``compared`` counts a pair once for each of the two looked up.
 
     ``missed`` shapes were not looked up everywhere, because that failed: the table may lack partners of theirs.
@@ -33,7 +33,7 @@ class Search:
         """What the table has."""
         return f"every pair i < j of which one is among the {several(self.k, 'best partner')} of the other"
 
-    def remark(self, kept: int) -> str:
+    def sentence(self, kept: int) -> str:
         """A sentence for the summary and the report."""
         missed = (
             f" Partners of {several(self.missed, 'shape')} could not be searched for everywhere." if self.missed else ""
@@ -54,10 +54,12 @@ class Search:
         return tables.SCHEMAS["qcrs"].with_metadata({**tables.SCHEMAS["qcrs"].metadata, b"meaning": meaning, **encoded})
 
 
-def read_search(metadata: Mapping[bytes, bytes] | None) -> Search | None:
-    """What `Search.schema` wrote; None for the table of all pairs."""
+def read_search(metadata: Mapping[bytes, bytes] | None) -> PartnerSearch | None:
+    """What `PartnerSearch.schema` wrote; None for the table of all pairs."""
     encoded = metadata or {}
     numbers = {
-        field.name: int(encoded[field.name.encode()]) for field in fields(Search) if field.name.encode() in encoded
+        field.name: int(encoded[field.name.encode()])
+        for field in fields(PartnerSearch)
+        if field.name.encode() in encoded
     }
-    return Search(**numbers) if {"k", "shapes", "compared"} <= numbers.keys() else None
+    return PartnerSearch(**numbers) if {"k", "shapes", "compared"} <= numbers.keys() else None

@@ -148,7 +148,7 @@ def read_record(folder: Path) -> dict[str, Any] | None:
     return record
 
 
-def holds(folder: Path, digest: str) -> bool:
+def is_up_to_date(folder: Path, digest: str) -> bool:
     """Whether ``folder`` holds a finished run of this outcome with its report and every file as it was written."""
     record = read_record(folder)
     if record is None or record.get("outcome") != digest or REPORT not in record["files"]:

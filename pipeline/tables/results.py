@@ -20,7 +20,7 @@ from pipeline.stages.all import BY_NAME
 from pipeline.stages.select import selected
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import Store
-from pipeline.tables.partner_search import Search
+from pipeline.tables.partner_search import PartnerSearch
 from riot.types import FloatArray, IntArray
 
 Row = dict[str, Any]
@@ -95,7 +95,7 @@ class Results:
         return selected(self.progress).score
 
     @cached_property
-    def search(self) -> Search | None:
+    def search(self) -> PartnerSearch | None:
         """What the search for partners took; None with ``qcrs.mode=all``, or when it failed."""
         collected = [self.artifact(item) for item in self.progress.work.get("pairs", ())]
         if not collected or collected[0] is None:
@@ -107,7 +107,7 @@ class Results:
             for member in item.members
         }
         known = sum(bool(self.numbers[member] >= 0) for member in missed)
-        return Search(self.config.qcrs.k, self.shapes, int(collected[0].document["compared"]), known)
+        return PartnerSearch(self.config.qcrs.k, self.shapes, int(collected[0].document["compared"]), known)
 
     @cached_property
     def without_trunks(self) -> int:

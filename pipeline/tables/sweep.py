@@ -28,7 +28,7 @@ COLUMNS = {bool: pa.bool_(), int: pa.int64(), float: pa.float64(), str: pa.strin
 
 
 @dataclass(frozen=True)
-class Job:
+class SweepJob:
     """One job of a sweep: its values of what is swept over, by name, and its exit code.
 
     ``folder`` has its tables, None if it did not finish; ``message`` says why.
@@ -40,7 +40,7 @@ class Job:
     message: str = ""
 
 
-def write_sweep(outputs: Path, jobs: Sequence[Job]) -> Path:
+def write_sweep(outputs: Path, jobs: Sequence[SweepJob]) -> Path:
     """Write ``sweep.parquet`` and ``timings.parquet`` of jobs that sweep over the same parameters; returns the folder.
 
     Rows are in order of the parameters, columns of parameters in order of name: the order of the jobs changes no byte
@@ -62,7 +62,7 @@ def write_sweep(outputs: Path, jobs: Sequence[Job]) -> Path:
     return folder
 
 
-def _row(job: Job, outputs: Path) -> Row:
+def _row(job: SweepJob, outputs: Path) -> Row:
     row: Row = {"status": STATUSES[job.code], "message": job.message}
     if job.folder is None:
         return row

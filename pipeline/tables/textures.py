@@ -1,4 +1,4 @@
-"""A run's files of skins: what the pieces look like whose inputs are colour pictures."""
+"""A run's files of textures: the images of the pieces whose inputs are colour pictures."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.errors import PayloadError
-from pipeline.stages.paint import unpack_skins
+from pipeline.stages.paint import unpack_images
 from pipeline.store.artifact import Artifact, decode, encode
 from pipeline.store.store import write_atomically
 from pipeline.tables.outputs import new_place, replace_folder
@@ -16,8 +16,8 @@ from riot.draw.piece_image import NO_IMAGES, PieceImages
 FOLDER, SUFFIX = "skins", ".skins"
 
 
-def write_skins(results: Results, transforms: Sequence[Row], folder: Path) -> list[Path]:
-    """Write ``skins/<pair>.skins`` of the transforms that have any; returns the files.
+def write_textures(results: Results, transforms: Sequence[Row], folder: Path) -> list[Path]:
+    """Write ``skins/<pair>.skins`` for each transform that has images of its pieces; returns the files.
 
     ``transforms`` are the rows of that table, with file. Files are in the form of `pipeline.store.artifact`, named as
     the transforms'; those of an earlier run are replaced.
@@ -37,10 +37,10 @@ def write_skins(results: Results, transforms: Sequence[Row], folder: Path) -> li
     return files
 
 
-def read_skins(folder: Path, transform_file: str, pieces: int) -> PieceImages:
-    """The skins of a transform of so many pieces in a run's folder; plain ones if there is no whole file of them."""
+def read_textures(folder: Path, transform_file: str, pieces: int) -> PieceImages:
+    """The images of a transform of so many pieces in a run's folder; none if there is no whole file of them."""
     try:
         arrays = decode((folder / FOLDER / (Path(transform_file).stem + SUFFIX)).read_bytes()).arrays
-        return unpack_skins(arrays, pieces)
+        return unpack_images(arrays, pieces)
     except (OSError, PayloadError, KeyError):
         return NO_IMAGES

@@ -11,7 +11,7 @@ from pipeline.tables.puzzles import write_puzzles
 from pipeline.tables.results import Results, Row
 from pipeline.tables.schemas import SCHEMAS
 from pipeline.tables.shape_tables import own_tables, shape_rows, stage_rows
-from pipeline.tables.textures import write_skins
+from pipeline.tables.textures import write_textures
 from pipeline.tables.transforms import transform_rows, write_transforms
 
 
@@ -34,7 +34,7 @@ def write_tables(results: Results, folder: Path) -> list[Path]:
         *write_qcrs(results, folder),
         *(write_table(folder, name, [from_rows(SCHEMAS[name], of_table)]) for name, of_table in rows.items()),
         *write_transforms(transforms, folder),
-        *write_skins(results, transforms, folder),
+        *write_textures(results, transforms, folder),
         *write_puzzles(results, transforms, folder),
     ]
     return sorted(written)

@@ -13,14 +13,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pipeline.config.build import make_config
-from pipeline.match.search import Mined
-from pipeline.study.finished import Finished
+from pipeline.match.search import MinedRun
+from pipeline.study.finished import StudiedRun
 from riot.geometry.shape import Shape
 from riot.scores.reversibility import reversibility
 
 
 @dataclass(frozen=True, eq=False)
-class GivenRun(Finished):
+class GivenRun(StudiedRun):
     """A finished run whose shapes need no store."""
 
     given: tuple[Shape, ...]
@@ -41,4 +41,4 @@ def given_run(folder: Path, shapes: Sequence[Shape], classes: int) -> GivenRun:
     columns = {name: [getattr(one, name) for one in scores] for name in ("score", "s1", "s2")}
     pq.write_table(pa.table(columns), folder / "reversibility.parquet")
     pq.write_table(pa.table({"trunks": [9] * count}), folder / "shapes.parquet")
-    return GivenRun(Mined(folder, "given", config, store, names, kinds, names, (), np.arange(count)), tuple(shapes))
+    return GivenRun(MinedRun(folder, "given", config, store, names, kinds, names, (), np.arange(count)), tuple(shapes))

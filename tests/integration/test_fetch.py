@@ -211,7 +211,7 @@ def test_any_damage_of_an_archive_is_told_as_one(server: Server, manifest: Path,
 
 
 def test_an_archive_that_unpacks_to_too_much_is_not_unpacked(server: Server, manifest: Path, tmp_path: Path) -> None:
-    limits = fetch.Limits(unpacked=1_000_000)
+    limits = fetch.DownloadLimits(unpacked=1_000_000)
     members = good() | {"apple-1.gif": bytes(1_000_001)}
     with zipfile.ZipFile(server.folder / "bomb.zip", "w", zipfile.ZIP_DEFLATED) as archive:
         for member, data in members.items():
@@ -239,7 +239,7 @@ class Endless(BaseHTTPRequestHandler):
 def test_a_download_without_end_is_stopped_and_the_next_address_tried(
     server: Server, manifest: Path, tmp_path: Path
 ) -> None:
-    limits = fetch.Limits(download=1_000_000)
+    limits = fetch.DownloadLimits(download=1_000_000)
     with ThreadingHTTPServer(("127.0.0.1", 0), Endless) as endless:
         thread = threading.Thread(target=endless.serve_forever)
         thread.start()
@@ -259,8 +259,8 @@ def test_a_download_may_be_as_long_as_the_limit(server: Server, manifest: Path, 
     url = pack(server, good())
     size = (server.folder / "set.zip").stat().st_size
     with pytest.raises(DatasetError, match=f"more than {size - 1} bytes"):
-        fetch.fetch(tmp_path / "cache" / "set", [url], manifest, limits=fetch.Limits(download=size - 1))
-    assert fetch.fetch(tmp_path / "cache" / "set", [url], manifest, limits=fetch.Limits(download=size))
+        fetch.fetch(tmp_path / "cache" / "set", [url], manifest, limits=fetch.DownloadLimits(download=size - 1))
+    assert fetch.fetch(tmp_path / "cache" / "set", [url], manifest, limits=fetch.DownloadLimits(download=size))
 
 
 def test_a_file_that_the_disk_does_not_take_is_not_blamed_on_the_address(

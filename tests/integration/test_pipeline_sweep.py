@@ -16,7 +16,7 @@ from pipeline.cli import summary as summary_module
 from pipeline.config.schema import Config
 from pipeline.errors import StartError
 from pipeline.exit_codes import FAILED
-from pipeline.flow import Outcome
+from pipeline.flow import RunOutcome
 from pipeline.run import main
 from pipeline.runtime.events import Listener
 from riot import Transform
@@ -62,14 +62,14 @@ class Runs:
         self.folder, self.failing = folder, failing
         self.done: list[int] = []
 
-    def __call__(self, config: Config, listen: Listener) -> Outcome:
+    def __call__(self, config: Config, listen: Listener) -> RunOutcome:
         self.done.append(config.batch)
         if config.batch in self.failing:
             raise self.failing[config.batch]
         target = config.outputs / "sample"
         if not target.exists():
             shutil.copytree(self.folder, target)
-        return Outcome(CLEAN, target, None, False, 0.0, None)  # type: ignore[arg-type]
+        return RunOutcome(CLEAN, target, None, False, 0.0, None)  # type: ignore[arg-type]
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ import pipeline.runtime.worker
 import pipeline.stages.shards
 from pipeline.config.build import make_config
 from pipeline.config.schema import Config
-from pipeline.flow import Outcome, run_pipeline
+from pipeline.flow import RunOutcome, run_pipeline
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import Reference
 from pipeline.runtime.events import Event, Note
@@ -74,7 +74,7 @@ class Planted:
             }
         )
 
-    def mine(self, where: Path, poison: Poison = lambda *_: False, **qcrs: object) -> Outcome:
+    def mine(self, where: Path, poison: Poison = lambda *_: False, **qcrs: object) -> RunOutcome:
         self.poison = poison
         self.begun.clear()
         self.notes.clear()
@@ -245,7 +245,7 @@ def test_a_deadly_search_loses_one_shape_s_partners_in_one_part(
 
     outcome = planted.mine(tmp_path, poison, **TOPK)
     assert outcome.code == WITH_ERRORS and outcome.results.search is not None
-    assert outcome.results.search.missed == 1 and "1 shape could not be searched" in outcome.results.search.remark(0)
+    assert outcome.results.search.missed == 1 and "1 shape could not be searched" in outcome.results.search.sentence(0)
     name = table(clean_topk, "shapes")[3]["name"]
     assert [(row["item"], row["stage"]) for row in table(tmp_path, "errors")] == [(name, "partners")]
     got, expected = scores(tmp_path), scores(clean_topk)

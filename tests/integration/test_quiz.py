@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from pipeline.errors import ConfigError, StartError
 from pipeline.study.findings import write_findings
 from pipeline.study.quiz import QUIZ, Parameters, right_answers, study, with_hindsight
-from pipeline.study.quiz_pairs import Pair
+from pipeline.study.quiz_pairs import QuizPair
 from riot import Shape
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.riot_file import to_json
@@ -167,7 +167,7 @@ def test_the_page_needs_no_other_file_and_hides_what_only_its_script_can_do(aske
 
 @given(st.lists(st.tuples(st.booleans(), st.floats(0.0, 1.0)), min_size=1, max_size=16), st.floats(-0.5, 1.5))
 def test_no_threshold_is_better_than_hindsight(answers: list[tuple[bool, float]], threshold: float) -> None:
-    pairs = [Pair(0, 1, which, 0.0, 0.0, 0.0) for which, _ in answers]
+    pairs = [QuizPair(0, 1, which, 0.0, 0.0, 0.0) for which, _ in answers]
     scores = [score for _, score in answers]
     best = with_hindsight(pairs, scores)
     assert right_answers(pairs, scores, threshold) <= best

@@ -14,7 +14,7 @@ from pipeline.report import write_report
 from pipeline.report.formats import residual
 from pipeline.report.histogram import CELLS, distribution
 from pipeline.report.run import ReportError, read_run
-from pipeline.stages.paint import pack_skins
+from pipeline.stages.paint import pack_images
 from pipeline.stages.paper import same_trunks
 from pipeline.store.artifact import Artifact, encode
 from pipeline.study.contents import write_contents
@@ -278,7 +278,7 @@ def test_pieces_of_colour_pictures_show_them(tmp_path):
     made = fake_run.write_fake_run(folder, made=fake_run.transforms(2))
     stripes = {"p": pattern_texture("stripes", made[0], "p")}
     (folder / "skins").mkdir()
-    payload = encode(Artifact(pack_skins(piece_images(made[0], stripes))))
+    payload = encode(Artifact(pack_images(piece_images(made[0], stripes))))
     (folder / "skins" / "0001.skins").write_bytes(payload)
     text = write_report(folder).read_text(encoding="utf-8")
     parsed = Page(text)

@@ -15,7 +15,7 @@ from small_runs import CLEAN, pictures, run_here
 from pipeline.study import consistency
 from pipeline.study.__main__ import main
 from pipeline.study.contents import write_contents
-from pipeline.study.finished import Finished
+from pipeline.study.finished import StudiedRun
 from pipeline.study.registry import STUDIES
 from pipeline.study.statistics import agreement
 from riot.types import FloatArray, IntArray
@@ -122,15 +122,15 @@ def test_consistency_takes_qcrs_of_the_run_from_its_tables(where: Path, made: di
 
 
 def test_consistency_leaves_out_pairs_that_the_run_set_aside(where: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    known = Finished.quick_scores
+    known = StudiedRun.quick_scores
 
-    def one_lost(self: Finished, pairs: IntArray) -> FloatArray:
+    def one_lost(self: StudiedRun, pairs: IntArray) -> FloatArray:
         scores = known(self, pairs)
         scores[0] = np.nan
         return scores
 
-    monkeypatch.setattr(Finished, "quick_scores", one_lost)
-    finished = Finished.open(where / "outputs" / "folder")
+    monkeypatch.setattr(StudiedRun, "quick_scores", one_lost)
+    finished = StudiedRun.open(where / "outputs" / "folder")
     found = consistency.study(finished, consistency.Parameters(pairs=20, bounds=0, draws=50), lambda text: None)
     assert found.table.column("sample").to_pylist().count("uniform") == 19
     assert np.isfinite(found.table.column("qcrs_paper").to_numpy()).all()

@@ -22,7 +22,7 @@ from pipeline.flow import run_pipeline
 from pipeline.plan.progress import Progress
 from pipeline.runtime.events import Event, StageEnded
 from pipeline.stages.all import BY_NAME
-from pipeline.tables.partner_search import Search, read_search
+from pipeline.tables.partner_search import PartnerSearch, read_search
 
 SHAPES = 23
 COPIES = (30, 31, 32, 33)
@@ -50,7 +50,7 @@ class Pairs:
     """The table of a run, what it says of the search, the selection, and the stages that ran."""
 
     table: pd.DataFrame
-    search: Search | None
+    search: PartnerSearch | None
     selected: pd.DataFrame
     stages: dict[str, StageEnded]
 
@@ -208,7 +208,7 @@ def test_a_collection_without_shapes_has_no_partners(tmp_path: Path) -> None:
     (tmp_path / "root").mkdir()
     draw(tmp_path / "root" / "one.png", 1)
     found = mine(configure(tmp_path / "root", tmp_path / "out", tmp_path / "store", qcrs={"mode": "topk"}))
-    assert len(found.table) == 0 and found.search == Search(20, 1, 0)
+    assert len(found.table) == 0 and found.search == PartnerSearch(20, 1, 0)
 
 
 @pytest.mark.parametrize(
@@ -224,6 +224,6 @@ def test_wrong_values_are_named(qcrs: dict[str, object], words: str) -> None:
 
 def test_a_plain_table_says_nothing_of_a_search() -> None:
     assert read_search(None) is None and read_search({b"k": b"3"}) is None
-    search = Search(3, 10, 40)
+    search = PartnerSearch(3, 10, 40)
     assert read_search(search.schema().metadata) == search
-    assert np.all([word in search.remark(20) for word in ("20 of 45 pairs", "3 best partners", "of 90", "40")])
+    assert np.all([word in search.sentence(20) for word in ("20 of 45 pairs", "3 best partners", "of 90", "40")])

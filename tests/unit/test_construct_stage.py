@@ -17,7 +17,7 @@ from pipeline.stages.crs import pack_scores
 from pipeline.stages.refine import run as refine
 from pipeline.stages.shape_arrays import pack_shapes
 from pipeline.store.artifact import Artifact, decode, encode
-from pipeline.tables.messages import remarks
+from pipeline.tables.messages import sentences
 from pipeline.tables.schemas import SCHEMAS
 from riot import Shape, Transform
 from riot.construction.laplacian import construct_laplacian
@@ -134,13 +134,15 @@ def test_both_methods_are_compared_where_both_were_tried() -> None:
     assert (exact.iou, other.iou, exact.hausdorff) == (0.8, 0.6, 0.02)
     assert astuple(other)[1:] == (0.001,) * 4 and exact.residual == pytest.approx(2e-15, abs=2e-15)
     assert (found.seconds_exact, found.seconds_paper) == (0.5, 4.5)
-    assert "(3 of the best)" in found.remark and "0.003 of gaps" in found.remark and "4.5 s a pair" in found.remark
-    assert "s a pair" not in read_comparison([row(1, 0.9, 0.8)], []).remark  # type: ignore[union-attr]
+    assert (
+        "(3 of the best)" in found.sentence and "0.003 of gaps" in found.sentence and "4.5 s a pair" in found.sentence
+    )
+    assert "s a pair" not in read_comparison([row(1, 0.9, 0.8)], []).sentence  # type: ignore[union-attr]
 
 
 def test_a_run_says_how_many_are_approximate() -> None:
-    assert remarks({"selected": 4, "approximate": 0}, "global") == []
-    (said,) = remarks({"selected": 4, "approximate": 1}, "global")
+    assert sentences({"selected": 4, "approximate": 0}, "global") == []
+    (said,) = sentences({"selected": 4, "approximate": 1}, "global")
     assert said.startswith("1 transform is approximate")
 
 

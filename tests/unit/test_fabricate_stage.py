@@ -25,7 +25,7 @@ from pipeline.report.rows import PuzzleRow, typed_row
 from pipeline.stages.all import BY_NAME
 from pipeline.stages.fabricate import run
 from pipeline.store.artifact import Artifact, decode, encode
-from pipeline.tables.messages import remarks
+from pipeline.tables.messages import sentences
 from pipeline.tables.puzzles import SHARED
 from pipeline.tables.schemas import SCHEMAS
 from riot.fabricate import FabricationParameters
@@ -178,6 +178,6 @@ def test_the_report_tells_what_became_of_every_puzzle(made: Artifact) -> None:
 
 def test_a_run_says_how_many_puzzles_it_made() -> None:
     counts = {"selected": 4, "puzzles": 2}
-    assert remarks({**counts, "no_puzzles": 0}, "global") == ["2 of 2 puzzles certified, in print/."]
-    (said,) = remarks({**counts, "no_puzzles": 1}, "global")
+    assert sentences({**counts, "no_puzzles": 0}, "global") == ["2 of 2 puzzles certified, in print/."]
+    (said,) = sentences({**counts, "no_puzzles": 1}, "global")
     assert said.startswith("2 of 3 puzzles certified") and "why the others cannot be made" in said

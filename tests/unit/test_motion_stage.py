@@ -10,7 +10,7 @@ from pipeline.config.build import make_config
 from pipeline.errors import ConfigError
 from pipeline.stages.motion import STAGE, run
 from pipeline.store.artifact import Artifact, decode, encode
-from pipeline.tables.messages import remarks
+from pipeline.tables.messages import sentences
 from pipeline.tables.schemas import SCHEMAS
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.motion import MotionParameters, motion_of
@@ -65,6 +65,6 @@ def test_parameters_reach_the_plan_and_are_checked() -> None:
     ],
 )
 def test_a_run_says_how_many_swing_flat(planned: int, flat: int, words: str | None) -> None:
-    said = remarks({"selected": 4, "planned": planned, "swing_flat": flat}, "global")
+    said = sentences({"selected": 4, "planned": planned, "swing_flat": flat}, "global")
     assert len(said) == (words is not None)
     assert words is None or said[0].startswith(words)

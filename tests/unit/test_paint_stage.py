@@ -12,10 +12,10 @@ from colour_pictures import picture, placed
 from PIL import Image
 
 from pipeline.datasets.colours import may_be_coloured
-from pipeline.stages.paint import run, unpack_skins
+from pipeline.stages.paint import run, unpack_images
 from pipeline.store.artifact import Artifact, decode, encode
-from pipeline.tables.messages import remarks
-from pipeline.tables.textures import FOLDER, read_skins
+from pipeline.tables.messages import sentences
+from pipeline.tables.textures import FOLDER, read_textures
 from riot import Transform
 from riot.draw.piece_image import NO_IMAGES
 from riot.groundtruth.pairs import exact_pair, exact_transform
@@ -36,7 +36,7 @@ def test_pieces_get_the_colours_of_their_pictures(tmp_path: Path, transform: Tra
     spec = picture(tmp_path / "p.png", transform.p), picture(tmp_path / "q.png", transform.q)
     found = run([planned], [], spec)
     assert found.document == {"sides": ["p", "q"], "refused": []}
-    skins = unpack_skins(decode(encode(found)).arrays, len(transform))
+    skins = unpack_images(decode(encode(found)).arrays, len(transform))
     for t, side in ((0.0, "p"), (1.0, "q")):
         shape = transform.p if side == "p" else transform.q
         for i, skin in enumerate(skins[side]):
@@ -74,9 +74,9 @@ def test_a_picture_that_can_be_no_texture_is_told_and_stops_no_other_side(
 
 
 def test_a_run_tells_how_many_pictures_can_be_no_texture() -> None:
-    assert remarks({"selected": 1, "refused_textures": 0}, "global") == []
-    (one,) = remarks({"selected": 1, "refused_textures": 1}, "global")
-    (two,) = remarks({"selected": 1, "refused_textures": 2}, "global")
+    assert sentences({"selected": 1, "refused_textures": 0}, "global") == []
+    (one,) = sentences({"selected": 1, "refused_textures": 1}, "global")
+    (two,) = sentences({"selected": 1, "refused_textures": 2}, "global")
     assert one.startswith("1 picture that") and two.startswith("2 pictures that")
 
 
@@ -105,9 +105,9 @@ def test_skins_are_read_from_a_runs_folder_if_they_are_whole(
     found = run([planned], [], (picture(tmp_path / "p.png", transform.p), None))
     (tmp_path / FOLDER).mkdir()
     target = tmp_path / FOLDER / "0001_a_b.skins"
-    assert read_skins(tmp_path, "transforms/0001_a_b.riot", 4) is NO_IMAGES
+    assert read_textures(tmp_path, "transforms/0001_a_b.riot", 4) is NO_IMAGES
     target.write_bytes(encode(Artifact(found.arrays)))
-    skins = read_skins(tmp_path, "transforms/0001_a_b.riot", 4)
+    skins = read_textures(tmp_path, "transforms/0001_a_b.riot", 4)
     assert set(skins) == {"p"} and len(skins["p"]) == 4
     target.write_bytes(target.read_bytes()[:-100])
-    assert read_skins(tmp_path, "transforms/0001_a_b.riot", 4) is NO_IMAGES
+    assert read_textures(tmp_path, "transforms/0001_a_b.riot", 4) is NO_IMAGES

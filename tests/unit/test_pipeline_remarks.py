@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.tables.messages import remarks, several
+from pipeline.tables.messages import sentences, several
 
 USUAL = {"shapes": 9, "classes": 3, "selected": 2, "without_trunks": 0, "ignored_files": 0, "blocked": 0}
 
 
 def test_a_usual_run_needs_no_words() -> None:
-    assert remarks(USUAL, "global") == []
-    assert remarks({}, "") == []
+    assert sentences(USUAL, "global") == []
+    assert sentences({}, "") == []
 
 
 @pytest.mark.parametrize(
@@ -28,12 +28,12 @@ def test_a_usual_run_needs_no_words() -> None:
     ],
 )
 def test_what_could_surprise_is_said_once(changes: dict[str, int], policy: str, words: str) -> None:
-    (said,) = remarks(USUAL | changes, policy)
+    (said,) = sentences(USUAL | changes, policy)
     assert words in said
 
 
 def test_failures_speak_for_themselves() -> None:
-    assert remarks(USUAL | {"selected": 0, "blocked": 4}, "global") == []
+    assert sentences(USUAL | {"selected": 0, "blocked": 4}, "global") == []
 
 
 def test_nouns_follow_their_number() -> None:

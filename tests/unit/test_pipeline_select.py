@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.stages import select
-from pipeline.stages.select import Block, Chosen, Limits, select_global, select_paper
+from pipeline.stages.select import Block, Chosen, SelectionLimits, select_global, select_paper
 
 COUNT = 12
 
@@ -27,7 +27,7 @@ def blocks_of(scores: np.ndarray, size: int) -> list[Block]:
     return found
 
 
-def plainly(scores: np.ndarray, classes: list[str], limits: Limits) -> list[tuple[int, int]]:
+def plainly(scores: np.ndarray, classes: list[str], limits: SelectionLimits) -> list[tuple[int, int]]:
     """The policy by its definition: all admissible pairs in order, taken while no limit is hit."""
     order = sorted(
         (-scores[i, j], i, j) for i in range(len(classes)) for j in range(i + 1, len(classes)) if scores[i, j] > 0
@@ -65,7 +65,7 @@ classes_of = st.lists(st.sampled_from(["", "bat", "cup", "dog"]), min_size=COUNT
 def test_global_is_its_definition(
     scores: np.ndarray, classes: list[str], top: int, per_class_pair: int, per_shape: int, size: int
 ) -> None:
-    limits = Limits(top, per_class_pair, per_shape)
+    limits = SelectionLimits(top, per_class_pair, per_shape)
     blocks = blocks_of(scores, size)
     expected = plainly(scores, classes, limits)
     assert listed(select_global(lambda: iter(blocks), classes, limits), scores) == expected
@@ -77,7 +77,7 @@ def test_a_small_pool_is_grown_until_it_suffices(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(select, "GROWTH", 2)
     scores = np.random.default_rng(5).random((40, 40))
     classes = [f"c{number % 4}" for number in range(40)]
-    limits = Limits(18, 3, 2)
+    limits = SelectionLimits(18, 3, 2)
     reads = []
 
     def blocks() -> Iterator[Block]:
@@ -100,5 +100,5 @@ def test_paper_takes_the_best_shape_of_each_class() -> None:
 
 def test_pairs_without_a_score_are_never_chosen() -> None:
     scores = np.zeros((4, 4))
-    assert listed(select_global(lambda: iter(blocks_of(scores, 2)), [""] * 4, Limits(5, 5, 5)), scores) == []
+    assert listed(select_global(lambda: iter(blocks_of(scores, 2)), [""] * 4, SelectionLimits(5, 5, 5)), scores) == []
     assert listed(select_paper(iter(blocks_of(scores, 2)), [""] * 4, np.ones(4), 5), scores) == []
