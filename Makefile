@@ -2,12 +2,14 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+MINING := $(VENV)/.mining
 READY := $(VENV)/.ready
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .PHONY: run test setup check bench docs repro clean
 .DEFAULT_GOAL := run
 
-run: setup
+run: $(MINING)
 	$(BIN)/python -m pipeline.run
 
 # A file stays on one worker, with what its tests share. A single file runs faster without workers: pytest FILE.
@@ -18,10 +20,15 @@ test: setup
 
 setup: $(READY)
 
-$(READY): pyproject.toml constraints.txt
+# What mining needs, and no more: the tests, the guide and DVC bring a hundred packages of their own.
+$(MINING): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("RIOT needs Python 3.11 or newer; set PYTHON=…") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,dvc,docs]'
+	$(PIP) --editable .
+	touch $@
+
+$(READY): $(MINING)
+	$(PIP) --editable '.[dev,dvc,docs]'
 	touch $@
 
 # Everything that CI runs: format, lint, types, layers, and all tests of make test and of whole machinery, in one go.
