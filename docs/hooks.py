@@ -25,7 +25,7 @@ import pipeline.cli.main
 import pipeline.datasets.fetch
 import pipeline.tables.measures
 from pipeline import study
-from pipeline.config.command_line import group_choices
+from pipeline.config.conf_files import group_choices
 from pipeline.config.schema import Config
 from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS, SWEEP
@@ -121,7 +121,7 @@ def _parameters() -> Iterator[str]:
     yield from ("## The run", "", *_parameter_table(Config, "", dict.fromkeys(_groups(kinds))), "")
     for group in _groups(kinds):
         yield from (f"## {group}", "", " ".join((inspect.getdoc(kinds[group]) or "").replace("``", "`").split()), "")
-        choices = group_choices()[group]
+        choices = group_choices().get(group, [])
         if len(choices) > 1:
             yield from ("Choices: " + ", ".join(f"`{group}={choice}`" for choice in choices) + ".", "")
         yield from (*_parameter_table(kinds[group], f"{group}.", {}), "")

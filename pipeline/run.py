@@ -21,7 +21,6 @@ from rich.console import Console
 import pipeline.runtime.threads
 from pipeline import cli, explain, tables  # their modules are loaded at first use: a start should be quick
 from pipeline.config.command_line import (
-    CONF,
     HYDRA_BASE,
     check_command,
     complete,
@@ -31,6 +30,7 @@ from pipeline.config.command_line import (
     sweep_point,
     sweep_values,
 )
+from pipeline.config.conf_files import CONF
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetError
 from pipeline.errors import ConfigError, StartError

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from collections.abc import Sequence
-from pathlib import Path
-from typing import get_type_hints
 
 from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
@@ -16,11 +13,11 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.config.build import make_config, unknown_name
+from pipeline.config.conf_files import CONF, allowed_names, group_choices, parameter_groups
 from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
 from pipeline.store.keys import digest_text
 
-CONF = Path(__file__).resolve().parents[2] / "conf"
 HYDRA_BASE = "1.3"
 SUGAR = {"--plan": "plan=true", "--explain": "explain=true"}
 SWEEP = frozenset({"-m", "--multirun"})
@@ -29,12 +26,19 @@ NAME_LENGTH = 200
 
 
 def complete(arguments: Sequence[str]) -> list[str]:
-    """Spell out what the command line leaves unsaid: flags of ours as values, ``+`` before ``dataset=``, the sample."""
+    """Spell out what the command line leaves unsaid: flags of ours as values, ``+`` before ``dataset=``, the sample.
+
+    >>> complete(["--plan", "dataset=folder", "dataset.root=pictures"])
+    ['plan=true', '+dataset=folder', 'dataset.root=pictures']
+    >>> complete(["batch=8", "-m"])
+    ['-m', 'batch=8', '+dataset=sample']
+    """
     spelled = [SUGAR.get(argument, argument) for argument in arguments]
     spelled = ["+" + argument if argument.startswith("dataset=") else argument for argument in spelled]
     if not any(argument.startswith("+dataset=") for argument in spelled):
-        spelled.append(NO_DATASET)
-    # Hydra's parser takes values in one stretch only, so that flags go first.
+        last = max((place for place, argument in enumerate(spelled) if _is_value(argument)), default=len(spelled) - 1)
+        spelled.insert(last + 1, NO_DATASET)
+    # Hydra's parser takes values in one sequence only, so that flags go first.
     return sorted(spelled, key=lambda argument: not argument.startswith("-")) if is_plain(spelled) else spelled
 
 
@@ -92,6 +96,10 @@ def sweep_point(arguments: Sequence[str], chosen: Sequence[str]) -> str:
     return named if named == whole else f"{named}~{digest_text(whole)[:8]}"
 
 
+def _is_value(argument: str) -> bool:
+    return "=" in argument and not argument.startswith("-")
+
+
 def _parse(arguments: Sequence[str]) -> list[Override]:
     try:
         return OverridesParser.create().parse_overrides([one for one in arguments if one not in SWEEP])
@@ -121,58 +129,22 @@ def _check_name(override: Override) -> None:
     name = override.key_or_group
     if name == "hydra" or name.startswith(("hydra.", "hydra/")):
         return
-    choices = group_choices()
-    if name in choices:
-        if not override.is_sweep_override() and isinstance(override.value(), dict):
-            return
+    choices, groups, allowed = group_choices(), parameter_groups(), allowed_names()
+    whole_group = not override.is_sweep_override() and isinstance(override.value(), dict)
+    if name in choices and not whole_group:
         for value in (line.partition("=")[2] for line in _values(override)):
             if value not in choices[name]:
                 raise ConfigError(f"{name}={value}: no such choice; allowed: {', '.join(choices[name])}")
-        return
-    group, _, parameter = name.partition(".")
-    allowed = allowed_names()
-    within = [one for one in allowed if one.startswith(group + ".")]
-    if name not in allowed:
-        raise ConfigError(unknown_name(name, within if parameter and within else allowed))
+    elif name not in groups and name not in allowed:
+        group, _, parameter = name.partition(".")
+        within_group = [other for other in allowed if other.startswith(group + ".")] if parameter else []
+        raise ConfigError(unknown_name(name, within_group or allowed))
 
 
 def _check_dataset(overrides: Sequence[Override]) -> None:
-    """Data sets differ in their parameters, and Hydra's advice for one that is missing (add it) is wrong here."""
-    named = [override for override in overrides if override.key_or_group == "dataset"]
-    if len(named) > 1:
-        raise ConfigError(f"{' '.join(str(one.input_line) for one in named)}: give one data set")
-    chosen = [line.partition("=")[2] for line in _values(named[0])]
-    for override in overrides:
-        group, _, parameter = override.key_or_group.partition(".")
-        if group == "dataset" and parameter:
-            for name in chosen:
-                own = [str(one) for one in OmegaConf.load(CONF / "dataset" / f"{name}.yaml")]
-                if parameter not in own:
-                    own_names = ", ".join(f"dataset.{one}" for one in own)
-                    raise ConfigError(
-                        f"dataset.{parameter}: the data set {name} has {own_names} only; "
-                        "your own pictures are +dataset=folder dataset.root=DIR"
-                    )
-
-
-def allowed_names() -> list[str]:
-    """Every parameter that a command line may set, as ``group.name``."""
-    names: list[str] = []
-    for name, kind in get_type_hints(Config).items():
-        if dataclasses.is_dataclass(kind):
-            names += [f"{name}.{field.name}" for field in dataclasses.fields(kind)]
-        else:
-            names.append(name)
-    return names
-
-
-def group_choices() -> dict[str, list[str]]:
-    """Groups of the configuration, and the files to choose from in each."""
-    return {
-        folder.name: sorted(file.stem for file in folder.glob("*.yaml"))
-        for folder in sorted(CONF.iterdir())
-        if folder.is_dir()
-    }
+    chosen = [str(override.input_line) for override in overrides if override.key_or_group == "dataset"]
+    if len(chosen) > 1:
+        raise ConfigError(f"{' '.join(chosen)}: give one data set")
 
 
 def _values(override: Override) -> list[str]:

@@ -11,7 +11,8 @@ from html_page import Page
 import pipeline.cli.main
 import pipeline.run
 import pipeline.study.__main__ as study
-from pipeline.config.command_line import allowed_names, check_command, complete, group_choices
+from pipeline.config.command_line import check_command, complete
+from pipeline.config.conf_files import allowed_names, group_choices
 from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS
 

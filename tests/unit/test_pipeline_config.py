@@ -1,4 +1,4 @@
-"""Configuration: the files hold the code's defaults, and whatever is wrong is said before any work."""
+"""Configuration: whatever is wrong is named, with what is allowed, before any work."""
 
 from __future__ import annotations
 
@@ -10,15 +10,8 @@ from typing import get_type_hints
 import pytest
 
 from pipeline.config.build import make_config
-from pipeline.config.command_line import (
-    allowed_names,
-    check_command,
-    complete,
-    group_choices,
-    sweep_point,
-    sweep_values,
-    swept_over,
-)
+from pipeline.config.command_line import check_command, complete, sweep_point, sweep_values, swept_over
+from pipeline.config.conf_files import allowed_names, group_choices
 from pipeline.config.schema import ClusterConfig, Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import ConfigError
@@ -30,11 +23,6 @@ SAMPLE = {"name": "sample", "kind": "sample"}
 
 def check(*arguments: str) -> Config:
     return check_command(complete(arguments))
-
-
-def test_the_files_hold_the_defaults_of_the_code() -> None:
-    composed = check()
-    assert composed == Config(dataset=DatasetConfig())
 
 
 @pytest.mark.parametrize("kind", ["local", "sync", "external", "slurm"])
@@ -97,6 +85,8 @@ def test_data_sets_and_flags() -> None:
         ("reversibility.waist_low=2", ["reversibility.waist_low", "waist_high"]),
         ("store=s3://", ["store: 's3://' is no URL", "s3://bucket/prefix"]),
         ("store=null", ["store: expected a path or a URL, got None"]),
+        ("cluster.options=[1]", ["cluster.options[0]: expected text, got 1"]),
+        ("trunks=3", ["trunks: expected a group of parameters, got 3"]),
         ("qcrs.sigma_e=0", ["qcrs.sigma_e: must be greater than 0 D_c, or null, got 0"]),
     ],
 )
