@@ -5,17 +5,14 @@ from __future__ import annotations
 import ast
 import contextlib
 import dataclasses
-import html
-import inspect
 import io
-import itertools
 import os
 import re
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
@@ -25,13 +22,12 @@ import pipeline.cli.main
 import pipeline.datasets.fetch
 import pipeline.tables.measures
 from pipeline import study
-from pipeline.config.conf_files import group_choices
-from pipeline.config.schema import Config
+from pipeline.config.help import usage_text
+from pipeline.config.parameter_table import markdown_cell, parameter_table
 from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS, SWEEP
 from riot import Shape, construct
 from riot.draw import animate_svg, draw_strip
-from riot.parameters.field import describe
 
 ROOT = Path(__file__).resolve().parents[1]
 HELP_WIDTH = 80
@@ -86,7 +82,7 @@ def _commands() -> Iterator[str]:
         for name in names:
             yield from (f"### {command.rpartition(' ')[2]} {name}", "")
             yield from _listing(_help(main, name), command)
-    yield from ("## python -m pipeline.run", "", *_docstring("pipeline/run.py"))
+    yield from ("## python -m pipeline.run", "", *_listing(usage_text(), "python -m pipeline.run"))
     yield from ("## python -m pipeline.study", "", *_docstring("pipeline/study/__main__.py"))
 
 
@@ -117,53 +113,17 @@ def _docstring(module: str) -> Iterator[str]:
 
 
 def _parameters() -> Iterator[str]:
-    kinds = get_type_hints(Config)
-    yield from ("## The run", "", *_parameter_table(Config, "", dict.fromkeys(_groups(kinds))), "")
-    for group in _groups(kinds):
-        yield from (f"## {group}", "", " ".join((inspect.getdoc(kinds[group]) or "").replace("``", "`").split()), "")
-        choices = group_choices().get(group, [])
-        if len(choices) > 1:
-            yield from ("Choices: " + ", ".join(f"`{group}={choice}`" for choice in choices) + ".", "")
-        yield from (*_parameter_table(kinds[group], f"{group}.", {}), "")
-
-
-def _groups(kinds: dict[str, Any]) -> list[str]:
-    return [name for name, kind in kinds.items() if dataclasses.is_dataclass(kind)]
-
-
-def _parameter_table(kind: Any, prefix: str, without: dict[str, None]) -> Iterator[str]:
-    yield "| parameter | type | default | unit | range | meaning |\n|---|---|---|---|---|---|"
-    meanings = _field_docstrings(kind)
-    for field in dataclasses.fields(kind):
-        if field.name not in without:
-            default = "needed" if field.default is dataclasses.MISSING else field.default
-            declared = describe(field)
-            meaning, unit, allowed = meanings.get(field.name, ""), "", ""
-            if declared is not None:
-                meaning, unit, allowed = f"{declared.meaning} Source: {declared.source}.", declared.unit, declared.range
-            cells = (str(field.type), "null" if default is None else str(default), unit, allowed, meaning)
-            yield f"| `{prefix}{field.name}` | {' | '.join(_cell(cell) for cell in cells)} |"
-
-
-def _field_docstrings(kind: type) -> dict[str, str]:
-    """The docstring below each field of a dataclass and its bases."""
-    meanings: dict[str, str] = {}
-    for base in reversed(kind.__mro__[:-1]):
-        (definition,) = ast.parse(inspect.getsource(base)).body
-        assert isinstance(definition, ast.ClassDef)
-        for field, below in itertools.pairwise(definition.body):
-            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(below, ast.Expr):
-                meanings[field.target.id] = " ".join(str(ast.literal_eval(below.value)).replace("``", "").split())
-    return meanings
+    yield parameter_table()
 
 
 def _tables() -> Iterator[str]:
     for name, schema in {**SCHEMAS, "sweep": SWEEP}.items():
-        yield f"## {name}\n\n{_cell(schema.metadata[b'meaning'].decode())}\n"
+        yield f"## {name}\n\n{markdown_cell(schema.metadata[b'meaning'].decode())}\n"
         yield "| column | type | unit | meaning |\n|---|---|---|---|"
         for field in schema:
             unit, meaning = (field.metadata[key].decode() for key in (b"unit", b"meaning"))
-            yield f"| `{field.name}` | {_cell(str(field.type))} | {_cell(unit)} | {_cell(meaning)} |"
+            cells = (str(field.type), unit, meaning)
+            yield f"| `{field.name}` | {' | '.join(map(markdown_cell, cells))} |"
         yield ""
 
 
@@ -173,7 +133,7 @@ def _studies() -> Iterator[str]:
         defaults = ", ".join(
             f"`{field.name}={field.default}`" for field in dataclasses.fields(getattr(study, name).Parameters)
         )
-        yield f"| `{name}` | {_cell(meaning)} | {defaults or 'none'} |"
+        yield f"| `{name}` | {markdown_cell(meaning)} | {defaults or 'none'} |"
 
 
 def _layers() -> Iterator[str]:
@@ -189,12 +149,8 @@ def _folders() -> Iterator[str]:
     for face in sorted(path for package in ("riot", "pipeline") for path in (ROOT / package).rglob("__init__.py")):
         meaning = (ast.get_docstring(ast.parse(face.read_text(encoding="utf-8"))) or "").split("\n\n")[0]
         if meaning:
-            yield f"| `{face.parent.relative_to(ROOT)}/` | {_cell(' '.join(meaning.split()).replace('`', ''))} |"
-
-
-def _cell(text: str) -> str:
-    """Text as it stands in a cell of a Markdown table."""
-    return html.escape(text, quote=False).translate({ord(mark): f"&#{ord(mark)};" for mark in "|*_[`\\"})
+            text = markdown_cell(" ".join(meaning.split()).replace("`", ""))
+            yield f"| `{face.parent.relative_to(ROOT)}/` | {text} |"
 
 
 GENERATED: dict[str, Callable[[], Iterator[str]]] = {

@@ -1,7 +1,8 @@
 """Entry point: ``python -m pipeline.run [+dataset=NAME] [name=value …] [--plan | --explain] [-m]``.
 
-Exit codes: 0 clean, 3 finished with errors, 2 could not start, 1 had to stop (a full disk, a failing machine …), 130
-interrupted; of a sweep the greatest of its jobs'. After 1 and 130 the same command goes on from there.
+``--help`` lists every parameter. Exit codes: 0 clean, 3 finished with errors, 2 could not start, 1 had to stop (a full
+disk, a failing machine …), 130 interrupted; of a sweep the greatest of its jobs'. After 1 and 130 the same command goes
+on from there.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from pipeline.config.command_line import (
     sweep_values,
 )
 from pipeline.config.conf_files import CONF
+from pipeline.config.help import help_text, wants_help
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetError
 from pipeline.errors import ConfigError, StartError
@@ -53,7 +55,11 @@ class _Ended:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code of the run, of a sweep the worst one."""
     console, complaints = _console(), Console(stderr=True, soft_wrap=True, emoji=False)
-    options = complete(sys.argv[1:] if arguments is None else arguments)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if wants_help(arguments):
+        print(help_text())
+        return CLEAN
+    options = complete(arguments)
     config: Config | None = None
     try:
         if is_plain(options):

@@ -13,15 +13,16 @@ from typing import Any, get_type_hints
 from hydra.core.config_store import ConfigStore
 
 from pipeline.config.schema import Config
+from riot.parameters import ParameterGroup
 
 _SHIPPED = Path(__file__).resolve().parents[1] / "conf"
 CONF = _SHIPPED if _SHIPPED.is_dir() else Path(__file__).resolve().parents[2] / "conf"
 """The folder of the configuration files."""
 
 
-def parameter_groups() -> dict[str, type[Any]]:
+def parameter_groups() -> dict[str, type[ParameterGroup]]:
     """The groups of a configuration, such as ``trunks``, and the class of each, in the order of the schema."""
-    return {name: kind for name, kind in get_type_hints(Config).items() if dataclasses.is_dataclass(kind)}
+    return {name: kind for name, kind in get_type_hints(Config).items() if _is_group(kind)}
 
 
 def allowed_names() -> list[str]:
@@ -42,7 +43,7 @@ def group_choices() -> dict[str, list[str]]:
     }
 
 
-def plain_defaults(group: type[Any] = Config) -> dict[str, Any]:
+def plain_defaults(group: type[ParameterGroup] = Config) -> dict[str, Any]:
     """The defaults of a group as plain values, which YAML can write.
 
     >>> plain_defaults()["select"]["top"]
@@ -50,11 +51,13 @@ def plain_defaults(group: type[Any] = Config) -> dict[str, Any]:
     """
     kinds = get_type_hints(group)
     return {
-        field.name: plain_defaults(kinds[field.name])
-        if dataclasses.is_dataclass(kinds[field.name])
-        else _plain(field.default)
+        field.name: plain_defaults(kinds[field.name]) if _is_group(kinds[field.name]) else _plain(field.default)
         for field in dataclasses.fields(group)
     }
+
+
+def _is_group(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, ParameterGroup)
 
 
 def _plain(default: Any) -> Any:
