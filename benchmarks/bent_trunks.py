@@ -29,9 +29,10 @@ from rich.console import Console
 from rich.table import Table
 from scipy.optimize import minimize
 
-from riot.construction.conjugate import TOLERANCE, is_convex
+from riot.construction.conjugate import is_convex
 from riot.construction.given_trunks import given_pair
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_on
+from riot.construction.tuning import EDGE_TOLERANCE
 from riot.errors import RiotError
 from riot.geometry.polyline import is_simple
 from riot.kernels.change import placed_arcs
@@ -173,8 +174,8 @@ def search(plan: ConstructionPlan, way: Way) -> float:
 
     def cost(x: FloatArray, /) -> float:
         moved = x * scale
-        trunks, worst = conjugated(plan.trunks + moved[: 4 * n].reshape(2, n, 2), TOLERANCE, 50)
-        if not worst <= 100.0 * TOLERANCE or np.abs(trunks - plan.trunks).max() > REFINEMENT.slide:
+        trunks, worst = conjugated(plan.trunks + moved[: 4 * n].reshape(2, n, 2), EDGE_TOLERANCE, 50)
+        if not worst <= 100.0 * EDGE_TOLERANCE or np.abs(trunks - plan.trunks).max() > REFINEMENT.slide:
             return 1.0
         if way.convex and not (is_convex(trunks[0]) and is_convex(trunks[1, ::-1])):
             return 1.0

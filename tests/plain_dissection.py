@@ -10,8 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from riot.construction.mesh import Mesh
-from riot.construction.partition import NUDGE
-from riot.construction.tree import COINCIDENT, CORNER_SHARE
+from riot.construction.tuning import COINCIDENT_NODES, CORNER_SHARE, INWARD_SHARE
 from riot.geometry.polyline import simplify_open
 from riot.kernels.options import kernel
 from riot.types import BoolArray, FloatArray, IntArray
@@ -74,7 +73,7 @@ def plain_distances(mesh: Mesh, arcs: FloatArray, offsets: IntArray) -> FloatArr
     """(k, n) of every mesh point to every piece."""
     first = int(np.argmin(((arcs[offsets[:-1]] - mesh.points[0]) ** 2).sum(axis=1)))
     order = (first + np.arange(len(mesh.corners))) % len(mesh.corners)
-    inside = mesh.points + NUDGE * (mesh.points[-1] - mesh.points)
+    inside = mesh.points + INWARD_SHARE * (mesh.points[-1] - mesh.points)
     found: FloatArray = signed_distances(inside, arcs, offsets)[:, order]
     return found
 
@@ -120,7 +119,7 @@ def plain_tree(
     for chain, sides in _chains(links):
         points = [places[chain[0]]]
         for node in chain[1:-1]:
-            if min(np.hypot(*(places[node] - at)) for at in (points[-1], places[chain[-1]])) > COINCIDENT:
+            if min(np.hypot(*(places[node] - at)) for at in (points[-1], places[chain[-1]])) > COINCIDENT_NODES:
                 points.append(places[node])
         kept = np.array([*points, places[chain[-1]]])
         found.append((sides, kept[simplify_open(kept, tolerance)]))

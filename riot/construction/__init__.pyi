@@ -3,6 +3,7 @@ from . import detail as detail
 from . import dissected_plan as dissected_plan
 from . import dissection as dissection
 from . import given_trunks as given_trunks
+from . import junctions as junctions
 from . import laplacian as laplacian
 from . import mesh as mesh
 from . import partition as partition
@@ -14,6 +15,7 @@ from . import refine as refine
 from . import tree as tree
 from . import tree_match as tree_match
 from . import trunk_choice as trunk_choice
+from . import tuning as tuning
 from .dissected_plan import DissectedPlan as DissectedPlan
 from .dissected_plan import dissect_plan as dissect_plan
 from .pins import Pins as Pins

@@ -1,10 +1,10 @@
-"""Detail: the tree's arcs moved to where both swung arcs beside them want them, topology and leaves fixed (theory §8).
+"""Give the arcs of the dissection tree the detail of the swung arcs beside them, topology and leaves fixed (theory §8).
 
 The middle lines of the partition round corners off and are wavy where straight lines should be. Both neighbours of a
-tree arc know better: each has a stretch of its swung arc there. The two stretches are matched, corners on corners and
-linear between, so that two straight lines average to a straight line; the samples of the whole tree then take the
-least-squares optimum of the Laplacian coordinates of the averages, junctions free. Where the result would cross itself
-or lose area it is drawn back towards the middle lines, which always are a valid tree. Ours.
+tree arc know better: each has a section of its swung arc there. The two sections are matched, corners on corners and
+linear between, so that two straight lines average to a straight line. The samples of the whole tree then take the
+least-squares optimum of the Laplacian coordinates of the averages, junctions free. Where the result crosses itself or
+loses area it is drawn back towards the middle lines, which always are a valid tree. Ours.
 """
 
 from __future__ import annotations
@@ -16,29 +16,26 @@ from itertools import pairwise
 import numpy as np
 
 from riot.construction.tree import joined
-from riot.construction.tree_match import COINCIDENT, OFF_EDGES, DetailParameters, TreeMatch
+from riot.construction.tree_match import TreeMatch
+from riot.construction.tuning import (
+    COINCIDENT_SAMPLES,
+    COLLINEAR_DISTANCE,
+    CROSSING_REACH,
+    DISPLACEMENT_CAP_FACTOR,
+    DRAW_BACK_PLATEAU,
+    DRAW_BACK_ROUNDS,
+    EDGE_CLEARANCE_SHARE,
+    EVEN_SHARE,
+    FIRST_DISPLACEMENT_CAP,
+    JUNCTION_HOLD,
+    LEAST_SAMPLE_DISTANCE,
+)
 from riot.geometry.polyline import simplify_open
 from riot.kernels.detail import collisions, difference, solved
 from riot.kernels.matching import along, at, corresponding
+from riot.parameters import DetailParameters
 from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import L_C
-
-ROUNDS = 8
-"""How often the tree is drawn back towards the middle lines, each time over twice the length, before they stay."""
-
-NEAR = 3.0
-"""A crossing is drawn back over so many samples on either side, first."""
-
-
-HELD = 1000.0
-"""How much harder a junction is drawn to its place than a displacement over the reach resists."""
-
-EVENLY = 0.2
-"""Share of the even correspondence in that of samples with the middle lines, so that it never stands still."""
-
-
-COLLINEAR = 1e-7 * L_C
-"""Samples this near to the chord over them are left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +48,17 @@ class Pull:
 
 @dataclass(frozen=True, eq=False)
 class Detailed:
-    """Path around every cell, from corner k to corner k + 1, how many rounds of drawing back it took (`ROUNDS`: the
-    middle lines stayed), and the area that changes hands beyond that of the middle lines."""
+    """A tree with detail.
+
+    Parameters
+    ----------
+    paths : list of (l, 2) float64
+        The path around cell k, from corner k to corner k + 1.
+    rounds : int
+        How many rounds of drawing back it took; `DRAW_BACK_ROUNDS` if the middle lines stayed.
+    loss : float
+        The area that changes hands beyond that of the middle lines.
+    """
 
     paths: list[FloatArray] = field(repr=False)
     rounds: int
@@ -68,20 +74,55 @@ def add_detail(
 ) -> Detailed:
     """Solve for the tree's samples; draw them back to the middle lines until they are a planar tree that loses little.
 
-    ``plain`` are the paths around the cells along the middle lines, ``arcs`` the swung arcs, both by trunk edge.
-    ``pull`` draws samples elsewhere, and then area may be lost.
+    ``plain`` are the paths (l, 2) around the cells along the middle lines, ``arcs`` the swung arcs (s, 2), both by
+    trunk edge. ``pull`` draws samples elsewhere; then any loss of area is allowed. Ours (theory §8).
     """
     corners = np.array([arc[0] for arc in arcs])
     least = _losses(plain, arcs, parameters)
-    count = len(match.targets)
+    limit = min(parameters.max_loss, parameters.max_share * least) if pull is None else np.inf
+    best = _solved(match, arcs, parameters, pull, least, limit)
+    free = ~match.fixed & (True if pull is None else pull.weights == 0.0)
+    middle = _middle(match, parameters.step * L_C)
+    away = np.hypot(*(middle - best).T)
+    back = np.zeros(len(match.targets))
+    cap = FIRST_DISPLACEMENT_CAP * float(away.max())
+    for rounds in range(DRAW_BACK_ROUNDS):
+        x = np.where(match.fixed[:, None], best, _inside(best + back[:, None] * (middle - best), corners))
+        points, kept = _thinned(x, match.offsets)
+        crossing = np.zeros(len(x), dtype=np.bool_)
+        crossing[kept] = _crossings(points, match.ends, corners, parameters.clearance)
+        paths = [joined(points, walk) for walk in match.walks]
+        loss = _losses(paths, arcs, parameters) - least
+        if not crossing.any() and loss <= limit:
+            return Detailed(paths, rounds, loss)
+        if crossing.any():
+            distance = np.sqrt(((x[:, None] - x[crossing][None]) ** 2).sum(axis=2).min(axis=1))
+            reach = CROSSING_REACH * parameters.step * L_C * 2.0**rounds
+            back = np.maximum(back, np.clip(DRAW_BACK_PLATEAU - distance / reach, 0.0, 1.0))
+        if loss > limit:
+            cap *= DISPLACEMENT_CAP_FACTOR
+            back = np.maximum(back, away**2 / (away**2 + cap**2))
+        back = np.where(free, back, 0.0)
+    return Detailed(list(plain), DRAW_BACK_ROUNDS, 0.0)
+
+
+def _solved(
+    match: TreeMatch,
+    arcs: Sequence[FloatArray],
+    parameters: DetailParameters,
+    pull: Pull | None,
+    least: float,
+    limit: float,
+) -> FloatArray:
+    """(k, 2) the samples of the first accuracy whose loss over ``least`` is within the limit, else of least loss."""
     drawn = _junctions(match, parameters)
     if pull is not None:
         drawn = Pull(
             np.where(pull.weights[:, None] > 0.0, pull.wanted, drawn.wanted),
             np.where(pull.weights > 0.0, pull.weights, drawn.weights),
         )
+    corners = np.array([arc[0] for arc in arcs])
     best, smallest = match.targets, np.inf
-    limit = min(parameters.max_loss, parameters.max_share * least) if pull is None else np.inf
     for accuracy in parameters.accuracy:
         x = solved(
             match.targets,
@@ -91,39 +132,17 @@ def add_detail(
             drawn.wanted,
             drawn.weights,
             _softness(match, accuracy, parameters),
-            0.1 * parameters.step * L_C,
+            LEAST_SAMPLE_DISTANCE * parameters.step * L_C,
         )
         x = np.where(match.fixed[:, None], x, _inside(x, corners))
         points, _ = _thinned(x, match.offsets)
         loss = _losses([joined(points, walk) for walk in match.walks], arcs, parameters) - least
         if loss < smallest:
             best, smallest = x, loss
-        # What is pinned must not cost more around it than it has to.
+        # With pins all accuracies are tried: what is pinned must not cost more around it than it has to.
         if loss <= limit < np.inf:
             break
-    free = ~match.fixed & (True if pull is None else pull.weights == 0.0)
-    middle = _middle(match, parameters.step * L_C)
-    away = np.hypot(*(middle - best).T)
-    back = np.zeros(count)
-    cap = 2.0 * float(away.max())
-    for rounds in range(ROUNDS):
-        x = np.where(match.fixed[:, None], best, _inside(best + back[:, None] * (middle - best), corners))
-        points, kept = _thinned(x, match.offsets)
-        crossing = np.zeros(count, dtype=np.bool_)
-        crossing[kept] = _crossings(points, match.ends, corners, parameters.clearance)
-        paths = [joined(points, walk) for walk in match.walks]
-        loss = _losses(paths, arcs, parameters) - least
-        if not crossing.any() and loss <= limit:
-            return Detailed(paths, rounds, loss)
-        if crossing.any():
-            far = np.sqrt(((x[:, None] - x[crossing][None]) ** 2).sum(axis=2).min(axis=1))
-            reach = NEAR * parameters.step * L_C * 2.0**rounds
-            back = np.maximum(back, np.clip(2.0 - far / reach, 0.0, 1.0))
-        if loss > limit:
-            cap *= 0.5
-            back = np.maximum(back, away**2 / (away**2 + cap**2))
-        back = np.where(free, back, 0.0)
-    return Detailed(list(plain), ROUNDS, 0.0)
+    return best
 
 
 def _softness(match: TreeMatch, accuracy: float, parameters: DetailParameters) -> FloatArray:
@@ -135,41 +154,41 @@ def _softness(match: TreeMatch, accuracy: float, parameters: DetailParameters) -
 
 def _junctions(match: TreeMatch, parameters: DetailParameters) -> Pull:
     """Draw junctions to the mean of the arcs' ends there, but not far from where the partition has them."""
-    found = Pull(match.targets.copy(), np.zeros(len(match.targets)))
+    pull = Pull(match.targets.copy(), np.zeros(len(match.targets)))
     ends: dict[int, list[tuple[int, FloatArray]]] = {}
     for k, arc in enumerate(match.tree):
-        for node, place, own in (
+        for node, row, partitioned in (
             (arc.start, match.offsets[k], arc.points[0]),
             (arc.end, match.offsets[k + 1] - 1, arc.points[-1]),
         ):
-            if match.which[place] >= 0:
-                ends.setdefault(node, []).append((int(place), own))
+            if match.which[row] >= 0:
+                ends.setdefault(node, []).append((int(row), partitioned))
     for node, meeting in ends.items():
-        places, own = [place for place, _ in meeting], meeting[0][1]
+        rows, partitioned = [row for row, _ in meeting], meeting[0][1]
         # In a gap between smooth arcs nothing tells better than the middle lines where they meet.
-        step = match.targets[places].mean(axis=0) - own if node in match.cornered else np.zeros(2)
+        step = match.targets[rows].mean(axis=0) - partitioned if node in match.cornered else np.zeros(2)
         size = float(np.hypot(*step))
-        found.wanted[places] = own + step * min(1.0, parameters.junction * L_C / max(size, COINCIDENT))
-        found.weights[places] = HELD * (parameters.reach * L_C) ** -3.0
-    return found
+        pull.wanted[rows] = partitioned + step * min(1.0, parameters.junction * L_C / max(size, COINCIDENT_SAMPLES))
+        pull.weights[rows] = JUNCTION_HOLD * (parameters.reach * L_C) ** -3.0
+    return pull
 
 
 def _inside(x: FloatArray, corners: FloatArray) -> FloatArray:
     """(k, 2) points moved into a counter-clockwise convex polygon (n, 2), off its edges but at its corners."""
-    out = x.copy()
+    moved = x.copy()
     near = np.sqrt(((x[:, None] - corners[None]) ** 2).sum(axis=2).min(axis=1))
-    margin = np.minimum(OFF_EDGES * near, OFF_EDGES * L_C)
+    margin = np.minimum(EDGE_CLEARANCE_SHARE * near, EDGE_CLEARANCE_SHARE * L_C)
     for start, stop in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         ahead = (stop - start) / np.hypot(*(stop - start))
         inward = np.array([-ahead[1], ahead[0]])
-        short = margin - (out - start) @ inward
-        out += np.where(short > 0.0, short, 0.0)[:, None] * inward
-    return out
+        short = margin - (moved - start) @ inward
+        moved += np.where(short > 0.0, short, 0.0)[:, None] * inward
+    return moved
 
 
 def _thinned(x: FloatArray, offsets: IntArray) -> tuple[list[FloatArray], IntArray]:
     """Every tree arc without its collinear samples, and which samples are kept."""
-    kept = [first + simplify_open(x[first:last], COLLINEAR) for first, last in pairwise(offsets.tolist())]
+    kept = [first + simplify_open(x[first:last], COLLINEAR_DISTANCE) for first, last in pairwise(offsets.tolist())]
     return [x[rows] for rows in kept], np.concatenate(kept)
 
 
@@ -178,7 +197,7 @@ def _crossings(points: Sequence[FloatArray], ends: IntArray, corners: FloatArray
     n = len(corners)
     edges = [corners[[k, (k + 1) % n]] for k in range(n)]
     around = np.stack([np.arange(n), (np.arange(n) + 1) % n], axis=1)
-    offsets = np.concatenate([[0], np.cumsum([len(part) for part in [*points, *edges]])]).astype(np.int64)
+    offsets = np.concatenate([[0], np.cumsum([len(line) for line in [*points, *edges]])]).astype(np.int64)
     nodes = np.concatenate([ends, around])
     return collisions(np.concatenate([*points, *edges]), offsets, nodes, clearance)[: offsets[len(points)]]
 
@@ -190,11 +209,11 @@ def _losses(paths: Sequence[FloatArray], arcs: Sequence[FloatArray], parameters:
 
 def _middle(match: TreeMatch, step: float) -> FloatArray:
     """(k, 2) where every sample is on the middle lines."""
-    found = []
+    on_middle_lines = []
     for arc, (first, last) in zip(match.tree, pairwise(match.offsets.tolist()), strict=True):
         target = match.targets[first:last]
-        lengths, own = along(target), along(arc.points)
-        places = np.maximum.accumulate(corresponding(target, lengths, arc.points, step))
-        places = (1.0 - EVENLY) * places + EVENLY * lengths * (own[-1] / lengths[-1])
-        found.append(at(arc.points, own, places))
-    return np.concatenate(found)
+        lengths, middle_lengths = along(target), along(arc.points)
+        positions = np.maximum.accumulate(corresponding(target, lengths, arc.points, step))
+        positions = (1.0 - EVEN_SHARE) * positions + EVEN_SHARE * lengths * (middle_lengths[-1] / lengths[-1])
+        on_middle_lines.append(at(arc.points, middle_lengths, positions))
+    return np.concatenate(on_middle_lines)

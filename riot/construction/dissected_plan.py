@@ -1,4 +1,4 @@
-"""A construction kept to be solved again: both trunks partitioned once, pieces cut with any pins (theory §8). Ours."""
+"""A plan with both its trunks dissected once, so that pieces can be cut again with other pins (theory §8). Ours."""
 
 from __future__ import annotations
 
@@ -14,10 +14,9 @@ from riot.construction.mesh import mesh_convex
 from riot.construction.partition import require_contact
 from riot.construction.pinned_paths import pinned_paths
 from riot.construction.pins import Pins
-from riot.construction.tree_match import DetailParameters
 from riot.errors import ConstructionError
 from riot.geometry.polyline import edge_lengths, trunk_angles
-from riot.parameters import ConstructParameters
+from riot.parameters import ConstructParameters, DetailParameters
 from riot.transform.certificate import certify
 from riot.transform.pose import Placement, rotate
 from riot.transform.transform import Piece, Transform
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class DissectedPlan:
-    """A plan with its partitions.
+    """A plan with its two trunks dissected.
 
     Parameters
     ----------
@@ -44,38 +43,38 @@ class DissectedPlan:
     upper: Dissection
 
     def transform(self, pins: Pins | None = None) -> Transform:
-        """Cut the pieces; ConstructionError ``pins`` if a pin cannot be met.
+        """Cut the pieces. Raises ConstructionError ``pins`` if a pin cannot be met.
 
         Without pins, the detail of a tree gives way to its middle lines where only these unfold without crossings. With
-        pins nothing gives way: look at the certificate.
+        pins nothing gives way: the certificate says whether the pieces tile both shapes.
         """
         if pins:
             return self._pinned(pins)
-        made = self._cut(self.lower.paths, self.upper.paths)
-        if certify(made).passed:
-            return made
+        transform = self._cut(self.lower.paths, self.upper.paths)
+        if certify(transform).passed:
+            return transform
         for lower, upper in (
             (self.lower.plain_paths, self.upper.paths),
             (self.lower.paths, self.upper.plain_paths),
             (self.lower.plain_paths, self.upper.plain_paths),
         ):
-            made = self._cut(lower, upper)
-            if certify(made).passed:
+            transform = self._cut(lower, upper)
+            if certify(transform).passed:
                 break
-        return made
+        return transform
 
     def _pinned(self, pins: Pins) -> Transform:
         plan = self.plan
-        made = self._cut(
+        transform = self._cut(
             pinned_paths(self.lower, plan.trunk_p[::-1], pins.p, plan.pair.p.name or "P"),
             pinned_paths(self.upper, plan.trunk_q, pins.q, plan.pair.q.name or "Q"),
         )
-        if not certify(made).passed:
+        if not certify(transform).passed:
             raise ConstructionError(
                 "pins",
-                f"with these pins the pieces do not unfold ({certify(made).failure}): move them, or pin less",
+                f"with these pins the pieces do not unfold ({certify(transform).failure}): move them, or pin less",
             )
-        return made
+        return transform
 
     def _cut(self, lower: Sequence[FloatArray], upper: Sequence[FloatArray]) -> Transform:
         plan = self.plan
@@ -111,7 +110,15 @@ class DissectedPlan:
 def dissect_plan(
     plan: ConstructionPlan, parameters: ConstructParameters, detail: DetailParameters | None = None
 ) -> DissectedPlan:
-    """Partition both trunks of a plan; ConstructionError with the reason if a partition fails."""
+    """Dissect both trunks of a plan (theory §8, ours). Raises ConstructionError with the reason if a partition fails.
+
+    >>> from riot import Shape, alternatives
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> dissected = dissect_plan(alternatives(house, kite)[0], ConstructParameters())
+    >>> len(dissected.transform())  # pieces
+    4
+    """
     # A dissection is made in a counter-clockwise trunk, region k on the edge from corner k to corner k + 1.
     lower, upper = _backwards(plan.arcs_p, plan.offsets_p), _backwards(plan.arcs_q, plan.offsets_q)
     return DissectedPlan(
@@ -122,18 +129,18 @@ def dissect_plan(
 
 
 def require_plan_contact(plan: ConstructionPlan, spacing: float, allowed: float) -> None:
-    """ConstructionError if either partition would fail for want of contact; a small part of the cost of `dissect_plan`.
+    """Raise ConstructionError if a piece would lose contact with its trunk edge; far cheaper than `dissect_plan`.
 
     ``spacing`` and ``allowed`` as `spacing` and `max_lost_contact` of `riot.parameters.ConstructParameters`.
     """
-    for trunk, arcs, where in (
+    for trunk, arcs, label in (
         (plan.trunk_q[::-1], _backwards(plan.arcs_p, plan.offsets_p), "Q's trunk"),
         (plan.trunk_p, _backwards(plan.arcs_q, plan.offsets_q), "P's trunk"),
     ):
         try:
             require_contact(mesh_convex(trunk, L_C / spacing), *arcs, allowed)
         except ConstructionError as error:
-            raise ConstructionError(error.reason, f"in {where}: {error}") from None
+            raise ConstructionError(error.reason, f"in {label}: {error}") from None
 
 
 def _backwards(arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntArray]:

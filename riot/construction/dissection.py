@@ -10,10 +10,10 @@ import numpy as np
 from riot.construction.detail import Detailed, add_detail
 from riot.construction.mesh import mesh_convex
 from riot.construction.partition import label_cells
-from riot.construction.tree import TreeArc, cell_walks, dissection_tree, joined
-from riot.construction.tree_match import DetailParameters, TreeMatch, match_tree
+from riot.construction.tree import TreeArc, Walk, cell_walks, dissection_tree, joined
+from riot.construction.tree_match import TreeMatch, match_tree
 from riot.errors import ConstructionError
-from riot.parameters import ConstructParameters
+from riot.parameters import ConstructParameters, DetailParameters
 from riot.types import FloatArray, IntArray
 from riot.units import L_C
 
@@ -39,7 +39,7 @@ class Dissection:
     detail: DetailParameters
 
     @cached_property
-    def walks(self) -> list[list[tuple[int, bool]]]:
+    def walks(self) -> list[Walk]:
         """For every trunk edge the tree arcs from its corner to the next; see `riot.construction.tree.cell_walks`."""
         return cell_walks(len(self.trunk), self.tree)
 
@@ -68,13 +68,14 @@ def dissect(
     trunk: FloatArray,
     arcs: tuple[FloatArray, IntArray],
     parameters: ConstructParameters,
-    where: str,
+    label: str,
     detail: DetailParameters | None = None,
 ) -> Dissection:
-    """Partition a counter-clockwise trunk (n, 2); its `Dissection.paths` run around the cells.
+    """Partition a counter-clockwise trunk (n, 2); its `Dissection.paths` run around the cells (theory §8, ours).
 
     ``arcs`` (s, 2) with offsets (n + 1,) run around the trunk counter-clockwise; arc 0 may belong to any edge, its
-    first point tells which. ConstructionError with the reason, beginning with ``where``, if the partition fails.
+    first point tells which. Raises ConstructionError with the reason if the partition fails; ``label`` says in its
+    message which trunk that is.
     """
     spacing = L_C / parameters.spacing
     points, offsets = arcs
@@ -83,13 +84,13 @@ def dissect(
         tree = tuple(dissection_tree(cells, parameters.tolerance * spacing))
         cell_walks(len(trunk), tree)
     except ConstructionError as error:
-        raise ConstructionError(error.reason, f"in {where}: {error}") from None
+        raise ConstructionError(error.reason, f"in {label}: {error}") from None
     n = len(trunk)
     first = int(np.argmin(((points[offsets[:-1]] - trunk[0]) ** 2).sum(axis=1)))
     order = [(first + k) % n for k in range(n)]
-    own = []
+    arcs_by_edge = []
     for k, i in enumerate(order):
         arc = np.array(points[offsets[i] : offsets[i + 1]])
         arc[0], arc[-1] = trunk[k], trunk[(k + 1) % n]
-        own.append(arc)
-    return Dissection(np.array(trunk), tuple(own), tree, detail or DetailParameters())
+        arcs_by_edge.append(arc)
+    return Dissection(np.array(trunk), tuple(arcs_by_edge), tree, detail or DetailParameters())

@@ -1,4 +1,4 @@
-"""Trunks that a user gives: put on the outlines, and checked to correspond (ours)."""
+"""Put trunks that a user gives on the outlines, and check that they correspond (ours)."""
 
 from __future__ import annotations
 
@@ -6,22 +6,21 @@ import numpy as np
 import numpy.typing as npt
 
 from riot.construction.plan import TrunkPair
+from riot.construction.tuning import MERGE_DISTANCE
 from riot.errors import TrunkError
 from riot.geometry.polyline import arc_length
 from riot.geometry.shape import Shape
 from riot.types import FloatArray, IntArray
 from riot.units import D_C
 
-MERGE = 1e-9
-"""Boundary points closer than this along the outline are one."""
-
 
 def given_pair(
     a: Shape, b: Shape, trunk_a: npt.ArrayLike, trunk_b: npt.ArrayLike, snap: float, reach: float
 ) -> TrunkPair:
-    """Put given trunk vertices on the outlines, and check that they correspond; TrunkError if they do not.
+    """Put given trunk vertices (n, 2) on the outlines, and check that they correspond (ours).
 
-    They may lie ``snap`` from the outline, in units of ``D_c``; ``reach`` as in `TrunkPair`.
+    They may lie ``snap`` from the outline, in units of ``D_c``; ``reach`` as in `TrunkPair`. Raises TrunkError if they
+    are not finite, lie farther off, differ in number, or do not run around the outlines in opposite directions.
     """
     try:
         wanted = [np.asarray(trunk, dtype=np.float64) for trunk in (trunk_a, trunk_b)]
@@ -48,7 +47,7 @@ def given_pair(
 def insert_vertices(shape: Shape, wanted: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
     """The outline, (m + k, 2), with the boundary points nearest to (n, 2) ``wanted`` among its vertices; their indices.
 
-    TrunkError if one is farther than ``reach`` from the outline.
+    Raises TrunkError if one is farther than ``reach`` from the outline.
     """
     points = shape.points
     ahead = np.roll(points, -1, axis=0) - points
@@ -66,15 +65,15 @@ def insert_vertices(shape: Shape, wanted: FloatArray, reach: float) -> tuple[Flo
         )
     lengths = arc_length(points)
     position = lengths[edge] + share[rows, edge] * np.hypot(*ahead[edge].T)
-    position = np.where(lengths[-1] - position < MERGE, 0.0, position)
+    position = np.where(lengths[-1] - position < MERGE_DISTANCE, 0.0, position)
     # A vertex of the outline that is as good as the wanted point stands for it.
     nearest = np.abs(lengths[None, :-1] - position[:, None])
-    merged = nearest.min(axis=1) < MERGE
+    merged = nearest.min(axis=1) < MERGE_DISTANCE
     position = np.where(merged, lengths[nearest.argmin(axis=1)], position)
-    everything = np.unique(np.concatenate([lengths[:-1], position]))
+    all_positions = np.unique(np.concatenate([lengths[:-1], position]))
     closed = np.concatenate([points, points[:1]])
-    outline = np.stack([np.interp(everything, lengths, closed[:, axis]) for axis in (0, 1)], axis=1)
-    return outline, np.searchsorted(everything, position).astype(np.int64)
+    outline = np.stack([np.interp(all_positions, lengths, closed[:, axis]) for axis in (0, 1)], axis=1)
+    return outline, np.searchsorted(all_positions, position).astype(np.int64)
 
 
 def _direction(indices: IntArray, shape: Shape) -> int:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from riot.construction.tuning import LEAST_RINGS
 from riot.geometry.polyline import signed_area
 from riot.kernels.dissection import ring_mesh
 from riot.types import FloatArray, IntArray
@@ -24,7 +25,7 @@ class Mesh:
     triangles : (t, 3) int64
         Counter-clockwise.
     rings : int
-        How many rings there are, and into how many parts every edge of the polygon is divided.
+        How many rings there are, and into how many equal segments every edge of the polygon is divided.
     corners : (n,) int64
         The polygon's corners among the points.
     spacing : float
@@ -51,7 +52,7 @@ def mesh_convex(polygon: FloatArray, spacing: float) -> Mesh:
     """
     n = len(polygon)
     triangle = np.sqrt(0.1875) * spacing**2  # half a cell of the triangular grid
-    rings = max(4, int(np.ceil(np.sqrt(signed_area(polygon) / (n * triangle)))))
+    rings = max(LEAST_RINGS, int(np.ceil(np.sqrt(signed_area(polygon) / (n * triangle)))))
     # The dissection's leaves are the corners: they are kept to the last bit.
     points, triangles = ring_mesh(np.ascontiguousarray(polygon), polygon.mean(axis=0), rings)
     return Mesh(points, triangles, rings, np.arange(n) * rings, spacing)

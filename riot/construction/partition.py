@@ -12,13 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from riot.construction.mesh import Mesh
+from riot.construction.tuning import CONTACT_SLACK, INWARD_SHARE
 from riot.errors import ConstructionError
 from riot.kernels.cells import Arcs, boxed, distances_beside, flood, lost_contact, nearest_pieces, rooted, weights
 from riot.parameters import ConstructParameters
 from riot.types import FloatArray, IntArray
-
-NUDGE = 1e-9
-"""How far towards the trunk's middle, as a share of the way, mesh points are moved to tell inside from outside."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +41,9 @@ class Cells:
 
 
 def label_cells(mesh: Mesh, arcs: FloatArray, offsets: IntArray, parameters: ConstructParameters) -> Cells:
-    """Label every mesh point; ConstructionError if a cell falls apart or loses its edge by more than is allowed.
+    """Label every mesh point with its cell (theory §8, ours).
+
+    Raises ConstructionError if a cell falls apart or loses its edge by more than the parameters allow.
 
     ``arcs`` (s, 2) with ``offsets`` (n + 1,) are the pieces' arcs, counter-clockwise around the trunk. Arc 0 may belong
     to any edge: its first point tells which.
@@ -69,7 +69,7 @@ def label_cells(mesh: Mesh, arcs: FloatArray, offsets: IntArray, parameters: Con
 def require_contact(
     mesh: Mesh, arcs: FloatArray, offsets: IntArray, allowed: float
 ) -> tuple[FloatArray, Arcs, FloatArray]:
-    """ConstructionError ``lost-contact`` if pieces cover more than the share ``allowed`` of another one's trunk edge.
+    """Raise ConstructionError ``lost-contact`` if pieces cover more than the share ``allowed`` of another's trunk edge.
 
     Returns the mesh points (k, 2) moved a little inwards, the pieces as the kernels read them, and the distances (k, n)
     found on the way, NaN elsewhere.
@@ -78,10 +78,10 @@ def require_contact(
     first = int(np.argmin(((arcs[offsets[:-1]] - corner) ** 2).sum(axis=1)))
     pieces = boxed(arcs, offsets, first)
     # On a trunk edge itself a region neither begins nor ends: look from just inside.
-    inside = mesh.points + NUDGE * (mesh.points[-1] - mesh.points)
+    inside = mesh.points + INWARD_SHARE * (mesh.points[-1] - mesh.points)
     distances = np.full((len(mesh.points), len(mesh.corners)), np.nan)
     # An empty piece's arc is its edge: what other pieces do not cover by more than the mesh can show is not lost.
-    lost = lost_contact(inside, mesh.rings, pieces, distances, 0.25 * mesh.spacing)
+    lost = lost_contact(inside, mesh.rings, pieces, distances, CONTACT_SLACK * mesh.spacing)
     for k in np.flatnonzero(lost > allowed):
         raise ConstructionError(
             "lost-contact",

@@ -1,6 +1,6 @@
-"""Pins: what of an outline a user wants kept as it is, or drawn anew (theory §8: rows of the detail step). Ours.
+"""Pins: sections of an outline that a user keeps as they are, or draws anew (theory §8: rows of the detail step). Ours.
 
-P's outline lives in the tree inside T̄, Q's in the tree inside T, so each shape's pins act on its own tree; the stretch
+P's outline lives in the tree inside T̄, Q's in the tree inside T, so each shape's pins act on its own tree; the section
 that faces a pinned one across the same cut gives way. Pins come from Python or from a JSON file::
 
     {"format": "riot-pins", "version": 1, "frame": "source",
@@ -9,8 +9,8 @@ that faces a pinned one across the same cut gives way. Pins come from Python or 
 
 ``frame`` says what the coordinates are: ``source``, the picture's pixels or the polygon's own, or ``shape``, unit area
 and centroid at the origin. ``keep`` holds points on or near the outline: one, the boundary around it; several, the
-stretch through them in order, of two points the shorter way round. ``draw`` is a line from one point of the outline to
-another, which replaces the stretch between them, the shorter way round; it lies on one piece.
+section through them in order, of two points the shorter way round. ``draw`` is a line from one point of the outline to
+another, which replaces the section between them, the shorter way round; it lies on one piece.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Pin:
     drawn: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what names no stretch of boundary."""
+        """Refuse points that name no section of the boundary."""
         points = self.points
         fits = isinstance(points, np.ndarray) and points.ndim == 2 and points.shape[1:] == (2,)
         if not fits or points.dtype != np.float64 or len(points) < 1 + self.drawn or not np.isfinite(points).all():
@@ -64,12 +64,20 @@ class Pins:
 
 
 def keep(points: npt.ArrayLike) -> Pin:
-    """Keep the boundary at (2,) or through (k, 2) points of the shape's frame; see `Pin`."""
+    """Keep the boundary at (2,) or through (k, 2) points of the shape's frame; see `Pin`.
+
+    >>> keep([0.5, 0.0]).points.shape
+    (1, 2)
+    """
     return Pin(np.atleast_2d(np.asarray(points, dtype=np.float64)))
 
 
 def draw(points: npt.ArrayLike) -> Pin:
-    """Replace the boundary between the ends of the line (k, 2) by that line, in the shape's frame; see `Pin`."""
+    """Replace the boundary between the ends of the line (k, 2) by that line, in the shape's frame; see `Pin`.
+
+    >>> draw([[0.5, 0.0], [0.6, 0.1], [0.7, 0.0]]).drawn
+    True
+    """
     return Pin(np.atleast_2d(np.asarray(points, dtype=np.float64)), drawn=True)
 
 

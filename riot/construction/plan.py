@@ -1,4 +1,4 @@
-"""What is constructed on: corresponding trunks, made conjugate, with both outlines' arcs swung in (theory §7, §8)."""
+"""Plan a construction: corresponding trunks, made conjugate, with both outlines' arcs swung in (theory §7, §8)."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def feet_of(outlines: WindowedOutlines, trunks: FloatArray) -> FloatArray:
 def plan_pair(pair: TrunkPair, lines: int = RefineParameters.bound_lines) -> ConstructionPlan:
     """Make the trunks conjugate with the least movement of their vertices, and bound the IoU by so many scanlines.
 
-    ConstructionError if the trunks cannot be made conjugate and convex.
+    Raises ConstructionError if the trunks cannot be made conjugate and convex.
     """
     for name, trunk in (("P", pair.corners[0]), ("Q", pair.corners[1, ::-1])):
         if not is_convex(trunk):
@@ -156,13 +156,14 @@ def _swing(
     outline: FloatArray, windows: IntArray, source: FloatArray, target: FloatArray
 ) -> tuple[FloatArray, IntArray]:
     n = len(source)
-    out, offsets = np.empty((len(outline) + 5 * n, 2)), np.empty(n + 1, dtype=np.int64)
-    total = placed_arcs(outline, windows, source, target, out, offsets)
-    return out[:total].copy(), offsets
+    # The most that the kernel fills.
+    arcs, offsets = np.empty((len(outline) + 5 * n, 2)), np.empty(n + 1, dtype=np.int64)
+    total = placed_arcs(outline, windows, source, target, arcs, offsets)
+    return arcs[:total].copy(), offsets
 
 
 def _windows(outline: FloatArray, trunk: IntArray, reach: float) -> IntArray:
-    """(n, 2) first and last vertex of the stretch on which each corner's foot is looked for; trunk vertices ascend."""
+    """(n, 2) first and last vertex of the section where each corner's foot is looked for; trunk vertices ascend."""
     m, n = len(outline), len(trunk)
     lengths = arc_length(outline)
     windows = np.empty((n, 2), dtype=np.int64)

@@ -1,9 +1,9 @@
-"""Refinement: trunks are moved, conjugate all the while, to where an exact construction changes both shapes least.
+"""Refine a plan: move its trunks, conjugate all the while, to where an exact construction changes both shapes least.
 
 After CRS the trunk vertices lie on sparse boundary points, and made conjugate they are off the boundary. The bound of
-the IoU (theory §8) is a function of the two trunks alone, with a gradient. What is raised is a smooth stand-in for the
-worse shape's bound, by quasi-Newton steps within the pairs of trunks whose corresponding edges are equal (theory §7;
-ours): every step is taken along that surface and then put back on it.
+the IoU (theory §8) is a function of the two trunks alone, with a gradient. Refinement maximises a smooth stand-in for
+the worse shape's bound by quasi-Newton steps on the surface of conjugate trunks (theory §7; ours): each step is taken
+along the surface and then put back on it.
 """
 
 from __future__ import annotations
@@ -12,47 +12,40 @@ import math
 
 import numpy as np
 
-from riot.construction.conjugate import TOLERANCE, is_convex
+from riot.construction.conjugate import is_convex
 from riot.construction.plan import ConstructionPlan, feet_of, plan_on
+from riot.construction.tuning import (
+    ACCEPTED_EDGE_DIFFERENCE,
+    ARMIJO_SHARE,
+    BACKTRACK_FACTOR,
+    CONJUGATE_STEPS,
+    EDGE_TOLERANCE,
+    FIRST_MOVE,
+    LEAST_CURVATURE,
+    LONGEST_MOVE,
+    MOST_BACKTRACKS,
+    MOVE_HISTORY,
+    SETTLED_GAIN,
+    SHARPNESS,
+    WORTHWHILE_GAIN,
+)
 from riot.kernels.change import least_changes
 from riot.kernels.conjugate import conjugated, quasi_newton, tangential
 from riot.parameters import RefineParameters
 from riot.types import FloatArray
 from riot.units import D_C
 
-SHARPNESS = (60.0, 240.0)
-"""The stand-in for the lesser of two bounds is −log(Σ exp(−s b)) / s, first with the first s, then with the second."""
-
-FIRST_MOVE = 0.02
-"""Length of the first step, over all corners."""
-
-LONGEST_MOVE = 0.2
-"""No step is longer."""
-
-HISTORY = 8
-BACKTRACKS = 5
-SHORTER = 0.4
-ARMIJO = 1e-4
-SETTLED = 1e-5
-"""Steps end when the stand-in rises by less."""
-
-PROJECTIONS = 50
-
-WORTHWHILE = 1e-4
-"""A plan stays where it is unless its bound rises by more: the scanlines of the bound see no finer, and trunks that are
-exact already are not to move."""
-
 
 def refine(plan: ConstructionPlan, steps: int, parameters: RefineParameters) -> ConstructionPlan:
-    """The plan with its trunks moved in at most so many steps; the plan itself if that hardly raises its bound.
+    """Move the trunks of a plan in at most so many steps; returns the plan itself if that hardly raises its bound.
 
-    No corner moves farther than ``parameters.slide`` along either axis.
+    No corner moves farther than ``parameters.slide`` along either axis. Ours (theory §7).
     """
     best = plan.trunks
     for sharpness in SHARPNESS:
         best = _Climb(plan, parameters, sharpness).run(best, steps // len(SHARPNESS))
     refined = plan_on(plan.pair, best, parameters.bound_lines)
-    return refined if refined.bound > plan.bound + WORTHWHILE else plan
+    return refined if refined.bound > plan.bound + WORTHWHILE_GAIN else plan
 
 
 class _Climb:
@@ -65,43 +58,43 @@ class _Climb:
     def run(self, trunks: FloatArray, steps: int) -> FloatArray:
         value, gradient, worse = self.rate(trunks)
         best, best_worse = trunks, worse
-        moves, changes, count = np.empty((HISTORY, trunks.size)), np.empty((HISTORY, trunks.size)), 0
+        moves, changes, count = np.empty((MOVE_HISTORY, trunks.size)), np.empty((MOVE_HISTORY, trunks.size)), 0
         for _ in range(steps):
             direction = quasi_newton(moves, changes, count, gradient.ravel()).reshape(trunks.shape)
             slope, length = float((direction * gradient).sum()), math.sqrt(float((direction * direction).sum()))
             if length == 0.0 or not slope > 0.0:
                 break
             share = min(1.0, (LONGEST_MOVE if count else FIRST_MOVE) / length)
-            for _ in range(BACKTRACKS):
+            for _ in range(MOST_BACKTRACKS):
                 moved = self.put_back(trunks + share * direction)
                 if moved is not None:
                     there, onward, worse = self.rate(moved)
-                    if there >= value + ARMIJO * share * slope:
+                    if there >= value + ARMIJO_SHARE * share * slope:
                         break
-                share *= SHORTER
+                share *= BACKTRACK_FACTOR
             else:
                 if count == 0:
                     break
                 count = 0  # the curvature that was learnt does not hold here: begin again with the gradient
                 continue
             move, change = (moved - trunks).ravel(), (onward - gradient).ravel()
-            if float((move * change).sum()) < -1e-12:
-                moves[count % HISTORY], changes[count % HISTORY] = move, change
+            if float((move * change).sum()) < -LEAST_CURVATURE:
+                moves[count % MOVE_HISTORY], changes[count % MOVE_HISTORY] = move, change
                 count += 1
             gain = there - value
             trunks, value, gradient = moved, there, onward
             if worse > best_worse:
                 best, best_worse = trunks, worse
-            if gain < SETTLED:
+            if gain < SETTLED_GAIN:
                 break
         return best
 
     def put_back(self, trunks: FloatArray) -> FloatArray | None:
         """The nearest conjugate trunks; None if they are too far from the start or not convex."""
-        found, worst = conjugated(trunks, TOLERANCE, PROJECTIONS)
-        if not worst <= 100.0 * TOLERANCE or np.abs(found - self.start).max() > self.slide:
+        conjugate, worst = conjugated(trunks, EDGE_TOLERANCE, CONJUGATE_STEPS)
+        if not worst <= ACCEPTED_EDGE_DIFFERENCE or np.abs(conjugate - self.start).max() > self.slide:
             return None
-        return found if is_convex(found[0]) and is_convex(found[1, ::-1]) else None
+        return conjugate if is_convex(conjugate[0]) and is_convex(conjugate[1, ::-1]) else None
 
     def rate(self, trunks: FloatArray) -> tuple[float, FloatArray, float]:
         """The stand-in, its gradient (2, n, 2) along the surface, and the worse bound; of both the attachment is taken.

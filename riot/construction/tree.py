@@ -9,23 +9,19 @@ from itertools import pairwise
 import numpy as np
 
 from riot.construction.partition import Cells
+from riot.construction.tuning import COINCIDENT_NODES, CORNER_SHARE
 from riot.errors import ConstructionError
 from riot.geometry.polyline import simplify_open
 from riot.kernels.dissection import chains
 from riot.types import FloatArray
 
-CORNER_SHARE = 0.1
-"""Where a third piece covers a corner of the trunk, the cells of the two edges that meet there keep this share of the
-mesh edges around it."""
-
-
-COINCIDENT = 1e-9
-"""Points of the tree closer than this are one."""
+Walk = list[tuple[int, bool]]
+"""Tree arcs one after another: which, and whether from start to end."""
 
 
 @dataclass(frozen=True, eq=False)
 class TreeArc:
-    """A stretch of the tree between two junctions or leaves, with one cell on either side.
+    """A line of the tree between two junctions or leaves, with one cell on either side.
 
     ``points`` (k, 2) from node ``start`` to node ``end``: node k < n is corner k of the trunk, a leaf, the others are
     junctions. ``sides`` are the two cells, smaller first.
@@ -38,22 +34,30 @@ class TreeArc:
 
 
 def dissection_tree(cells: Cells, tolerance: float) -> list[TreeArc]:
-    """The arcs between the cells, simplified by Douglas–Peucker with ``tolerance``, each once."""
+    """The arcs between the cells, each once, simplified by Douglas–Peucker with ``tolerance`` (theory §8, ours).
+
+    Raises ConstructionError ``not-a-tree`` if a boundary between two cells breaks off.
+    """
     mesh = cells.mesh
-    found = chains(mesh.points, cells.mixed, cells.labels, cells.distances, mesh.corners, CORNER_SHARE, COINCIDENT)
-    if not found.whole:
+    lines = chains(
+        mesh.points, cells.mixed, cells.labels, cells.distances, mesh.corners, CORNER_SHARE, COINCIDENT_NODES
+    )
+    if not lines.whole:
         raise ConstructionError("not-a-tree", "a boundary between two cells breaks off")
     arcs = []
     for (start, end), (a, b), (first, last) in zip(
-        found.ends.tolist(), found.sides.tolist(), pairwise(found.offsets.tolist()), strict=True
+        lines.ends.tolist(), lines.sides.tolist(), pairwise(lines.offsets.tolist()), strict=True
     ):
-        points = found.points[first:last]
+        points = lines.points[first:last]
         arcs.append(TreeArc(start, end, (a, b), points[simplify_open(points, tolerance)]))
     return arcs
 
 
-def cell_walks(n: int, arcs: Sequence[TreeArc]) -> list[list[tuple[int, bool]]]:
-    """For every edge k of a trunk of n, the arcs from corner k to k + 1: which, and whether from start to end."""
+def cell_walks(n: int, arcs: Sequence[TreeArc]) -> list[Walk]:
+    """For every edge k of a trunk of n, the tree arcs from corner k to corner k + 1.
+
+    Raises ConstructionError ``not-a-tree`` if they are not one path.
+    """
     return [_walk(arcs, k, (k + 1) % n) for k in range(n)]
 
 
@@ -63,14 +67,15 @@ def cell_paths(cells: Cells, arcs: Sequence[TreeArc]) -> list[FloatArray]:
     return [joined(points, walk) for walk in cell_walks(len(cells.mesh.corners), arcs)]
 
 
-def joined(points: Sequence[FloatArray], walk: Sequence[tuple[int, bool]]) -> FloatArray:
+def joined(points: Sequence[FloatArray], walk: Walk) -> FloatArray:
     """(l, 2) the arcs with these ``points`` one after another, what they share once."""
-    parts = [points[k] if forwards else points[k][::-1] for k, forwards in walk]
-    return np.concatenate([part if k == 0 else part[1:] for k, part in enumerate(parts)])
+    lines = [points[k] if forwards else points[k][::-1] for k, forwards in walk]
+    return np.concatenate([line if k == 0 else line[1:] for k, line in enumerate(lines)])
 
 
-def _walk(arcs: Sequence[TreeArc], cell: int, last: int) -> list[tuple[int, bool]]:
-    found: list[tuple[int, bool]] = []
+def _walk(arcs: Sequence[TreeArc], cell: int, last: int) -> Walk:
+    """The tree arcs around one cell, from its corner ``cell`` to corner ``last``."""
+    walk: Walk = []
     node, left = cell, [k for k, arc in enumerate(arcs) if cell in arc.sides]
     while node != last:
         onward = [k for k in left if node in (arcs[k].start, arcs[k].end)]
@@ -79,6 +84,6 @@ def _walk(arcs: Sequence[TreeArc], cell: int, last: int) -> list[tuple[int, bool
         arc = arcs[onward[0]]
         left.remove(onward[0])
         forwards = arc.start == node
-        found.append((onward[0], forwards))
+        walk.append((onward[0], forwards))
         node = arc.end if forwards else arc.start
-    return found
+    return walk

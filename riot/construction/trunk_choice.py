@@ -1,4 +1,4 @@
-"""From two shapes to a transform: which trunks to construct on, given by the user or found by CRS."""
+"""Choose the trunks on which two shapes are transformed, given by the user or of highest CRS, and construct on them."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def construct(
     refinement : RefineParameters, optional
         Of the trunks, found or given; with ``sketched=0, refined=0`` they are only made conjugate.
     pins : Pins, optional
-        Stretches of either outline to keep, or drawn anew (exact method).
+        Sections of either outline to keep, or drawn anew (exact method).
 
     Raises
     ------
@@ -97,10 +97,10 @@ def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None)
 
 
 def find_plans(a: Shape, b: Shape, refinement: RefineParameters) -> PlansAndFailures:
-    """Refined plans on the trunk pairs of highest CRS, and why the others gave none; TrunkError without trunk pairs."""
+    """Refine the trunk pairs of highest CRS (ours). Raises TrunkError if the shapes have no trunks that correspond."""
     full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
-    for shape, found in ((a, full_a), (b, full_b)):
-        if len(found) == 0:
+    for shape, trunks in ((a, full_a), (b, full_b)):
+        if len(trunks) == 0:
             raise TrunkError(
                 f"{shape.name or 'the shape'} has no trunk: no convex polygon inscribed in it passes all tests"
             )
@@ -111,18 +111,18 @@ def find_plans(a: Shape, b: Shape, refinement: RefineParameters) -> PlansAndFail
 
 
 def refine_scored(a: Shape, b: Shape, scores: Sequence[CrossScore], refinement: RefineParameters) -> PlansAndFailures:
-    """As `find_plans`, of trunk pairs that are known."""
+    """Refine the trunk pairs of known scores, best CRS first; returns as `find_plans`."""
     plans, unplanned = plan_pairs(trunk_pairs(a, b, scores, refinement.reach), refinement)
     return refine_best(plans, refinement), unplanned
 
 
 def trunk_pairs(a: Shape, b: Shape, scores: Sequence[CrossScore], reach: float) -> list[TrunkPair]:
-    """The trunk pairs of ``scores``, in order; ``reach`` as in `TrunkPair`."""
+    """The trunk pairs of scores, in their order; ``reach`` as in `TrunkPair`."""
     return [TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b, reach) for score in scores]
 
 
 def plan_pairs(pairs: Sequence[TrunkPair], parameters: RefineParameters) -> PlansAndFailures:
-    """Plans, highest bound first, and why the other trunk pairs gave none."""
+    """Make the trunks of each pair conjugate, and bound the IoU that a construction on them can have."""
     plans: list[ConstructionPlan] = []
     unplanned: list[ConstructionError] = []
     for pair in pairs:
@@ -134,17 +134,18 @@ def plan_pairs(pairs: Sequence[TrunkPair], parameters: RefineParameters) -> Plan
 
 
 def refine_best(plans: Sequence[ConstructionPlan], parameters: RefineParameters) -> list[ConstructionPlan]:
-    """Plans, highest bound first, with the most promising refined a little, and the best of these to the end."""
-    rest = list(plans)
+    """Refine the most promising plans a little, and the best of these to the end; all plans, highest bound first."""
+    ranked = list(plans)
     for count, steps in ((parameters.sketched, parameters.sketch_steps), (parameters.refined, parameters.steps)):
-        rest = [refine(plan, steps, parameters) for plan in rest[:count]] + rest[count:]
-        rest.sort(key=lambda plan: -plan.bound)
-    return rest
+        ranked = [refine(plan, steps, parameters) for plan in ranked[:count]] + ranked[count:]
+        ranked.sort(key=lambda plan: -plan.bound)
+    return ranked
 
 
 def drop_without_contact(plans: Sequence[ConstructionPlan], spacing: float, allowed: float) -> PlansAndFailures:
-    """Plans from the first on whose pieces keep their edges, so that its bound can be had; why those before it do not.
+    """Drop plans until one whose pieces keep their trunk edges, so that a construction can reach its bound.
 
+    Returns the plans from that one on, and why those before it lose contact.
     ``spacing`` and ``allowed`` as in `riot.construction.dissected_plan.require_plan_contact`.
     """
     errors: list[ConstructionError] = []
@@ -164,16 +165,17 @@ def construct_plans(
     parameters: ConstructParameters,
     pins: Pins | None = None,
 ) -> Transform:
-    """The best transform of the first ``attempts`` plans that give one; one whose bound is passed is left out.
+    """Construct the plans in turn until ``attempts`` succeed, and return the transform of highest IoU.
 
-    An exact one must pass its certificate. Raises ConstructionError with the first reason if there is none.
+    A plan whose bound is no higher than an IoU that is reached is left out. An exact transform must pass its
+    certificate. Raises ConstructionError with the first reason if no plan gives a transform.
     """
     best: Transform | None = None
     best_iou = -1.0
     failures: list[ConstructionError] = []
-    made = 0
+    succeeded = 0
     for plan in plans:
-        if made == parameters.attempts:
+        if succeeded == parameters.attempts:
             break
         if best is not None and plan.bound <= best_iou:
             continue
@@ -182,7 +184,7 @@ def construct_plans(
         except ConstructionError as error:
             failures.append(error)
             continue
-        made += 1
+        succeeded += 1
         iou = min(overlap_ratios(transform))
         if iou > best_iou:
             best, best_iou = transform, iou

@@ -2,6 +2,7 @@ from . import field as field
 from .construct import ConstructParameters as ConstructParameters
 from .convexity import ConvexityParameters as ConvexityParameters
 from .crs import CrsParameters as CrsParameters
+from .detail import DetailParameters as DetailParameters
 from .fabrication import FabricationParameters as FabricationParameters
 from .field import Parameter as Parameter
 from .field import ParameterGroup as ParameterGroup

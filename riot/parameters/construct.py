@@ -42,5 +42,5 @@ class ConstructParameters(ParameterGroup):
         0.1, at_least=0, unit="D_c", meaning="Given trunk vertices may lie this far from the outline."
     )
     lines: int = parameter(
-        512, at_least=1, meaning="Scanlines of the areas that change hands where detail is restored."
+        512, at_least=1, meaning="Scanlines of the gaps and overlaps by which the method laplacian ends its rounds."
     )

@@ -16,16 +16,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot import ConstructionError, Shape, construct
-from riot.construction.detail import ROUNDS, add_detail
+from riot.construction.detail import add_detail
 from riot.construction.dissected_plan import DissectedPlan, dissect_plan
 from riot.construction.dissection import dissect
 from riot.construction.plan import ConstructionPlan
-from riot.construction.tree_match import DetailParameters
+from riot.construction.tuning import DRAW_BACK_ROUNDS
 from riot.geometry.polyline import simplify_open
 from riot.groundtruth.pairs import ExactPair, exact_pair
 from riot.kernels.detail import BENDABLE, collisions, difference, solved
 from riot.kernels.matching import along, at, corresponding, merged, turnings
-from riot.parameters import ConstructParameters
+from riot.parameters import ConstructParameters, DetailParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.types import FloatArray
 
@@ -229,7 +229,7 @@ def test_detail_costs_little_area_and_less_if_less_is_allowed() -> None:
         parameters = DetailParameters(max_loss=allowed)
         found = add_detail(dissection.plain_paths, dissection.arcs, dissection.match, parameters)
         assert found.loss <= allowed
-        assert found.rounds <= ROUNDS
+        assert found.rounds <= DRAW_BACK_ROUNDS
 
 
 def test_the_detailed_transform_is_certified_and_the_same_again() -> None:

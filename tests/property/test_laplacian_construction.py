@@ -14,12 +14,13 @@ from hypothesis import strategies as st
 
 from riot.construction.given_trunks import given_pair
 from riot.construction.laplacian import construct_laplacian
-from riot.construction.laplacian.contact import CONTACT, TrunkArcs
+from riot.construction.laplacian.contact import TrunkArcs
 from riot.construction.laplacian.method import tile
 from riot.construction.laplacian.phases import close_gaps, part_overlaps, scale_arcs
 from riot.construction.laplacian.residual import residuals
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_pair
 from riot.construction.plan_transform import construct_plan
+from riot.construction.tuning import CONTACT_DISTANCE
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
@@ -112,7 +113,7 @@ def test_an_arc_that_leaves_over_its_top_is_scaled_into_the_trunk() -> None:
     scaled = scale_arcs(square_trunk(), arcs)
     assert [scaled[k] is arcs[k] for k in range(4)] == [True, False, True, True]
     assert np.array_equal(scaled[1][[0, -1]], arcs[1][[0, -1]])
-    assert -CONTACT <= scaled[1][:, 1].min() < 0.02
+    assert -CONTACT_DISTANCE <= scaled[1][:, 1].min() < 0.02
     # Heights are scaled alike, and nothing moves along the edge.
     ratio = (1.0 - scaled[1][1:-1, 1]) / (1.0 - arcs[1][1:-1, 1])
     assert np.ptp(ratio) < 1e-12

@@ -15,10 +15,9 @@ from blobs import blob
 
 from riot import ConstructionError, FormatError, Shape, construct
 from riot.construction.dissected_plan import DissectedPlan, dissect_plan
-from riot.construction.pinned_paths import TOLERANCE
 from riot.construction.pins import Pin, Pins, draw, keep, load_pins, pins_from_json
 from riot.construction.plan import ConstructionPlan
-from riot.construction.tree_match import LEAF
+from riot.construction.tuning import LEAF_RADIUS, PIN_TOLERANCE
 from riot.parameters import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.types import FloatArray
@@ -48,7 +47,7 @@ def stretches(shape: Shape, trunk: FloatArray, length: int) -> list[FloatArray]:
     found = []
     for start in range(0, len(shape.points), length):
         run = shape.points[np.arange(start, start + length) % len(shape.points)]
-        if np.hypot(*(run[:, None] - trunk[None]).transpose(2, 0, 1)).min() > 1.5 * LEAF * L_C:
+        if np.hypot(*(run[:, None] - trunk[None]).transpose(2, 0, 1)).min() > 1.5 * LEAF_RADIUS * L_C:
             found.append(run)
     return found
 
@@ -75,8 +74,8 @@ def test_a_kept_stretch_is_met_and_was_not_before() -> None:
     run = moved_most()
     made = draft.transform(Pins(p=(keep(run),)))
     assert made.certificate().passed
-    assert apart(run, free.outline_p()) > 10.0 * TOLERANCE
-    assert apart(run, made.outline_p()) <= TOLERANCE
+    assert apart(run, free.outline_p()) > 10.0 * PIN_TOLERANCE
+    assert apart(run, made.outline_p()) <= PIN_TOLERANCE
     # Q's outline lives in the other tree.
     for one, two in zip(made.pieces, free.pieces, strict=True):
         assert np.array_equal(one.upper, two.upper)
@@ -89,14 +88,14 @@ def test_pins_of_both_shapes_are_met_together() -> None:
     run_q = min(stretches(made.q, made.trunk_q, 4), key=lambda run: apart(run, made.outline_q()))
     made = draft.transform(Pins((keep(run_p),), (keep(run_q),)))
     assert made.certificate().passed
-    assert apart(run_p, made.outline_p()) <= TOLERANCE
-    assert apart(run_q, made.outline_q()) <= TOLERANCE
+    assert apart(run_p, made.outline_p()) <= PIN_TOLERANCE
+    assert apart(run_q, made.outline_q()) <= PIN_TOLERANCE
 
 
 def test_a_kept_point_keeps_the_boundary_around_it() -> None:
     draft = blob_draft()
     point = moved_most()[3]
-    assert apart(point[None], draft.transform(Pins(p=(keep(point),))).outline_p()) <= TOLERANCE
+    assert apart(point[None], draft.transform(Pins(p=(keep(point),))).outline_p()) <= PIN_TOLERANCE
 
 
 def test_the_order_of_a_stretch_does_not_matter() -> None:
@@ -120,7 +119,7 @@ def test_a_drawn_line_replaces_the_outline(height: float) -> None:
     made = draft.transform(Pins(p=(draw(line),)))
     assert made.certificate().passed
     even = shapely.line_interpolate_point(shapely.LineString(line), np.linspace(0.0, 1.0, 20), normalized=True)
-    assert shapely.distance(even, shapely.LinearRing(made.outline_p())).max() <= TOLERANCE
+    assert shapely.distance(even, shapely.LinearRing(made.outline_p())).max() <= PIN_TOLERANCE
 
 
 def test_without_pins_nothing_changes() -> None:

@@ -8,17 +8,14 @@ import numpy as np
 
 from riot.construction.laplacian.editing import as_complex, as_points
 from riot.construction.laplacian.residual import Residual, residual
+from riot.construction.tuning import CONTACT_DISTANCE
 from riot.kernels.laplacian import ComplexArray, meet
 from riot.types import BoolArray, FloatArray, IntArray
-
-CONTACT = 0.00075
-"""Points nearer than this to another arc are in contact, and what is no deeper is left: a quarter of a step, in the
-unit-area frame (ours). Twice as much leaves twice the areas; less deforms the shapes more."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrunkArcs:
-    """The arcs in one trunk, and what is known of every vertex and every arc; the arrays' contents change.
+    """The arcs in one trunk, and the distances of every vertex to every arc; the arrays' contents change.
 
     Parameters
     ----------
@@ -55,7 +52,7 @@ class TrunkArcs:
         count, columns = int(sizes.sum()), len(arcs) + 1
         ends = np.zeros(count, dtype=np.bool_)
         ends[offsets[:-2]] = ends[offsets[1:-1] - 1] = True
-        made = cls(
+        trunk_arcs = cls(
             trunk,
             as_complex(np.concatenate([*arcs, outline])),
             offsets,
@@ -67,8 +64,8 @@ class TrunkArcs:
             np.full((count, columns), np.inf),
             np.zeros((count, columns), dtype=np.complex128),
         )
-        made.renew(-1)
-        return made
+        trunk_arcs.renew(-1)
+        return trunk_arcs
 
     def __len__(self) -> int:
         return len(self.offsets) - 2
@@ -108,7 +105,7 @@ class TrunkArcs:
     def contact(self, *, trunk: bool) -> BoolArray:
         """(s,) vertices that touch another arc; with ``trunk``, also those that touch the trunk's edges."""
         columns = self.distance if trunk else self.distance[:, :-1]
-        return np.asarray((columns < CONTACT).any(axis=1))
+        return np.asarray((columns < CONTACT_DISTANCE).any(axis=1))
 
     def residual(self, lines: int) -> Residual:
         """The areas, by so many scanlines."""

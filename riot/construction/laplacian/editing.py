@@ -50,7 +50,11 @@ def edit(curve: FloatArray, handles: BoolArray, targets: FloatArray) -> FloatArr
     """Edit an open polyline (m, 2): its ``handles`` (m,) bool go to those rows of ``targets`` (m, 2).
 
     Returns (m, 2). Handles moved by a similarity of the plane move the whole polyline by it; handles left where they
-    are leave the polyline as it is, to the last bit. ValueError with fewer than two handles.
+    are leave the polyline as it is, to the last bit. Raises ValueError for fewer than two handles.
+
+    >>> line = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    >>> edit(line, np.array([True, False, True]), line + [0.0, 1.0]).round(9).tolist()
+    [[0.0, 1.0], [1.0, 1.0], [2.0, 1.0]]
     """
     if np.count_nonzero(handles) < 2:
         raise ValueError("editing needs two handles at least: with fewer the polyline is free to turn")
@@ -62,8 +66,8 @@ def edit(curve: FloatArray, handles: BoolArray, targets: FloatArray) -> FloatArr
 
 def as_complex(points: FloatArray) -> ComplexArray:
     """(m, 2) points as x + iy, (m,)."""
-    found: ComplexArray = points[:, 0] + 1j * points[:, 1]
-    return found
+    values: ComplexArray = points[:, 0] + 1j * points[:, 1]
+    return values
 
 
 def as_points(values: ComplexArray) -> FloatArray:

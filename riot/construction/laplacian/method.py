@@ -1,4 +1,4 @@
-"""The paper's construction on conjugate trunks; its pieces do not tile exactly (paper §4.3, theory §8)."""
+"""Construct on conjugate trunks as the paper does; the pieces do not tile exactly (paper §4.3, theory §8)."""
 
 from __future__ import annotations
 
@@ -11,32 +11,20 @@ import numpy as np
 from riot.construction.laplacian.contact import TrunkArcs
 from riot.construction.laplacian.phases import close_gaps, part_overlaps, scale_arcs
 from riot.construction.laplacian.residual import Residual
+from riot.construction.tuning import MOST_EDIT_ROUNDS, MOST_EDIT_STEPS, POINT_SPACING, RESIDUAL_TOLERANCE
 from riot.geometry.polyline import edge_lengths, trunk_angles
 from riot.kernels.coverage import swung_arcs
 from riot.parameters import ConstructParameters
 from riot.transform.pose import Placement, rotate
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray
-from riot.units import L_C
 
 if TYPE_CHECKING:
     from riot.construction.plan import ConstructionPlan
 
-SPACING = L_C / 200
-"""Points are put between those of the arcs until they are closer than this, before each round (ours)."""
-
-MOST_STEPS = 1000
-"""Of a phase, at most (ours); some 200 are enough for most trunks."""
-
-MOST_ROUNDS = 6
-"""Overlaps are parted and gaps closed so often, at most (ours)."""
-
-TOLERANCE = 1e-3
-"""Gaps, overlaps and outside of a trunk together at which the rounds end, and the least gain of a round (ours)."""
-
 
 def construct_laplacian(plan: ConstructionPlan, parameters: ConstructParameters) -> Transform:
-    """The paper's transform on the trunks of a plan.
+    """Construct the paper's transform on the trunks of a plan (paper §4.3).
 
     Arcs follow their trunks by similarity, from the outlines' trunk vertices; the plan's own arcs are not used. Pieces
     overlap and leave gaps, so that the certificate fails, and they may cross themselves where a neighbour has squeezed
@@ -89,17 +77,17 @@ def tile(
     arcs = TrunkArcs.of(trunk, scale_arcs(trunk, dense))
     residuals.append(arcs.residual(parameters.lines))
     best, least = _copied(arcs), residuals[-1].total
-    for _ in range(MOST_ROUNDS):
-        if residuals[-1].total < TOLERANCE:
+    for _ in range(MOST_EDIT_ROUNDS):
+        if residuals[-1].total < RESIDUAL_TOLERANCE:
             break
         # What has been stretched needs points again: an edge across another piece has none that lies in it.
         arcs = TrunkArcs.of(trunk, [_dense(arcs.arc(i)) for i in range(len(arcs))])
-        steps = part_overlaps(arcs, MOST_STEPS) + close_gaps(arcs, MOST_STEPS)
+        steps = part_overlaps(arcs, MOST_EDIT_STEPS) + close_gaps(arcs, MOST_EDIT_STEPS)
         residuals.append(arcs.residual(parameters.lines))
         gain = least - residuals[-1].total
         if gain > 0.0:
             best, least = _copied(arcs), residuals[-1].total
-        if steps == 0 or gain < TOLERANCE:
+        if steps == 0 or gain < RESIDUAL_TOLERANCE:
             break
     return best, residuals
 
@@ -109,10 +97,12 @@ def _copied(arcs: TrunkArcs) -> list[FloatArray]:
 
 
 def _dense(arc: FloatArray) -> FloatArray:
-    """An arc with points between its own, evenly, so that all are closer than `SPACING`."""
+    """An arc with points between its own, evenly, so that all are closer than `POINT_SPACING`."""
     steps = np.diff(arc, axis=0)
-    parts = np.maximum(1, np.ceil(np.hypot(*steps.T) / SPACING)).astype(np.int64)
-    position = np.concatenate([k + np.arange(count) / count for k, count in enumerate(parts.tolist())] + [[len(parts)]])
+    counts = np.maximum(1, np.ceil(np.hypot(*steps.T) / POINT_SPACING)).astype(np.int64)
+    position = np.concatenate(
+        [k + np.arange(count) / count for k, count in enumerate(counts.tolist())] + [[len(counts)]]
+    )
     whole = np.arange(len(arc))
     dense: FloatArray = np.column_stack([np.interp(position, whole, arc[:, axis]) for axis in (0, 1)])
     return dense
@@ -120,7 +110,7 @@ def _dense(arc: FloatArray) -> FloatArray:
 
 def _carried(arc: FloatArray, ends: FloatArray) -> FloatArray:
     """Move an arc (m, 2) rigidly so that its ends lie at ``ends`` (2, 2), exactly."""
-    one, other = arc[-1] - arc[0], ends[1] - ends[0]
-    moved: FloatArray = rotate(arc - arc[0], math.atan2(other[1], other[0]) - math.atan2(one[1], one[0])) + ends[0]
+    chord, edge = arc[-1] - arc[0], ends[1] - ends[0]
+    moved: FloatArray = rotate(arc - arc[0], math.atan2(edge[1], edge[0]) - math.atan2(chord[1], chord[0])) + ends[0]
     moved[[0, -1]] = ends
     return moved

@@ -1,4 +1,4 @@
-"""The three phases: scale arcs that leave the trunk, part overlapping arcs, close gaps (paper §4.3).
+"""The three phases: scale arcs that leave the trunk, push overlapping arcs apart, close gaps (paper §4.3).
 
 The paper: "move the deepest point along the vector to the nearest point of the other arc", 0.003 a step, by Laplacian
 editing, end points and points in contact fixed; gaps "the same way". Where it is silent we decided:
@@ -14,28 +14,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.construction.laplacian.contact import CONTACT, TrunkArcs
+from riot.construction.laplacian.contact import TrunkArcs
 from riot.construction.laplacian.editing import Editing
+from riot.construction.tuning import CONTACT_DISTANCE, EDIT_STEP, LEAST_ARC_SCALE, SCALE_TRIALS
 from riot.kernels.laplacian import ComplexArray
 from riot.types import FloatArray
-
-STEP = 0.003
-"""The deepest point is moved so far at once (paper §4.3), in the unit-area frame."""
-
-LEAST_SCALE = 0.5
-"""An arc that would have to be scaled below this share of its height to stay in the trunk is not scaled (ours)."""
-
-SCALES = 51
-"""Factors that are tried, evenly spaced from 1 down."""
 
 
 def scale_arcs(trunk: FloatArray, arcs: list[FloatArray]) -> list[FloatArray]:
     """Arcs (m_i, 2) of a clockwise convex trunk (n, 2), scaled where they leave it.
 
-    The paper does not say about what. An arc's ends must stay, so that its height over its own trunk edge is scaled, by
-    the greatest factor at which it does not leave the trunk by more than `CONTACT`. Where the arc is beyond its own
-    edge it is laid on it. Scaling cannot bring in what leaves sideways, next to a corner: if no factor from
-    `LEAST_SCALE` on does it, that is left to `part_overlaps`.
+    The paper does not say about what. An arc's ends must stay, so its height over its own trunk edge is scaled, by the
+    greatest factor at which it leaves the trunk by no more than `riot.construction.tuning.CONTACT_DISTANCE`. Where the
+    arc is beyond its own edge it is laid on it. Scaling cannot bring in an arc that leaves sideways, next to a corner:
+    if no factor from `riot.construction.tuning.LEAST_ARC_SCALE` on does it, `part_overlaps` has to.
     """
     return [_scaled(trunk, k, arc) for k, arc in enumerate(arcs)]
 
@@ -43,15 +35,15 @@ def scale_arcs(trunk: FloatArray, arcs: list[FloatArray]) -> list[FloatArray]:
 def _scaled(trunk: FloatArray, k: int, arc: FloatArray) -> FloatArray:
     edges = np.roll(trunk, -1, axis=0) - trunk
     outwards = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.hypot(*edges.T)[:, None]
-    if _excess(trunk, outwards, arc) < CONTACT:
+    if _excess(trunk, outwards, arc) < CONTACT_DISTANCE:
         return arc
     height = -((arc - trunk[k]) @ outwards[k])
     base = arc + height[:, None] * outwards[k]
     height = np.maximum(height, 0.0)
     chosen: FloatArray = base - height[:, None] * outwards[k]
-    for scale in np.linspace(1.0, LEAST_SCALE, SCALES).tolist():
+    for scale in np.linspace(1.0, LEAST_ARC_SCALE, SCALE_TRIALS).tolist():
         candidate = base - scale * height[:, None] * outwards[k]
-        if _excess(trunk, outwards, candidate) < CONTACT:
+        if _excess(trunk, outwards, candidate) < CONTACT_DISTANCE:
             chosen = candidate
             break
     chosen[[0, -1]] = arc[[0, -1]]
@@ -81,9 +73,9 @@ def close_gaps(arcs: TrunkArcs, most: int) -> int:
 
 
 def _advance(arcs: TrunkArcs, depth: FloatArray, foot: ComplexArray, *, trunk: bool) -> bool:
-    """Move the deepest vertex a step towards its foot; False if there is none deeper than `CONTACT`."""
+    """Move the deepest vertex a step towards its foot; False if there is none deeper than `CONTACT_DISTANCE`."""
     k = int(depth.argmax())
-    if depth[k] < CONTACT:
+    if depth[k] < CONTACT_DISTANCE:
         return False
     i = int(arcs.owner[k])
     span = arcs.span(i)
@@ -91,7 +83,7 @@ def _advance(arcs: TrunkArcs, depth: FloatArray, foot: ComplexArray, *, trunk: b
     here = k - span.start
     fixed[here] = True
     moves = np.zeros(len(fixed), dtype=np.complex128)
-    moves[here] = (foot[k] - arcs.points[k]) * min(1.0, STEP / depth[k])
+    moves[here] = (foot[k] - arcs.points[k]) * min(1.0, EDIT_STEP / depth[k])
     arcs.points[span] += Editing.of(arcs.points[span], fixed).displace(moves)
     arcs.renew(i)
     return True
