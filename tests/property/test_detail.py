@@ -204,7 +204,7 @@ def test_straight_sides_stay_straight_if_area_may_be_lost_for_it() -> None:
     draft = drafted(p, q, (trunk_p, moved))
     assert draft.transform().certificate().passed
     for dissection in (draft.lower, draft.upper):
-        match, parameters = dissection.match, DetailParameters(max_loss=0.05, max_share=np.inf)
+        match, parameters = dissection.match, DetailParameters(max_loss=0.05, max_share=1e9)
         for path in add_detail(dissection.plain_paths, dissection.arcs, match, parameters).paths:
             # One corner, at the star's middle, and one where the arcs begin at each leaf, at most.
             assert len(simplify_open(path, 1e-3)) <= 5

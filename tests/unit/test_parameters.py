@@ -83,4 +83,4 @@ def test_messages_name_field_range_unit_and_value(group: str, values: dict[str, 
 def test_types_are_those_that_are_written() -> None:
     for group, field in FIELDS:
         kind = typing.get_type_hints(group)[field.name]
-        assert kind in (int, float) or typing.get_origin(kind) is typing.Literal
+        assert kind in (int, float) or typing.get_origin(kind) in (typing.Literal, tuple)
