@@ -13,10 +13,10 @@ EDGE_TOLERANCE = 1e-14
 """Length: the iteration ends when corresponding edges differ by no more. A few roundings of numbers near 1."""
 
 ACCEPTED_EDGE_DIFFERENCE = 100.0 * EDGE_TOLERANCE
-"""Length: trunks count as conjugate if their edges differ by no more. Far below the certificate's 1e-12."""
+"""Length: trunks count as conjugate if their edges differ by no more. As the certificate's hinges."""
 
 CONJUGATE_STEPS = 50
-"""Gauss–Newton steps at most; convergence is quadratic, so that those that settle need fewer than ten."""
+"""Gauss–Newton steps at most; trunks that have not settled by then are refused."""
 
 FULL_TURN_TOLERANCE = 1e-6
 """Radians: a polygon goes round once if its turns add up to 2π within this. Far above rounding, far below a turn."""

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from riot.draw.scene import Box, Dot, Mark, PlacedPiece, around, swept
-from riot.transform.motion import LIFT, Motion
+from riot.transform.motion import Motion
 from riot.transform.pose import direction
 from riot.transform.transform import Transform
+from riot.transform.tuning import LIFT
 from riot.types import FloatArray
 
 MAX_TURN = math.radians(10.0)

@@ -1,6 +1,7 @@
 from . import bodies as bodies
 from . import planner as planner
 from . import search as search
+from . import tuning as tuning
 from .planner import Attempt as Attempt
 from .planner import Motion as Motion
 from .planner import MotionParameters as MotionParameters

@@ -8,15 +8,10 @@ import numpy as np
 import shapely
 
 from riot.geometry.polyline import extent
+from riot.motion.tuning import QUARTER_SEGMENTS, SIMPLIFY_SHARE
 from riot.parameters import MotionParameters
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray
-
-SIMPLIFY = 0.2
-"""Share of half the gap by which the bodies' outlines may be simplified; they are shrunk by that much less."""
-
-QUARTER = 8
-"""Segments of a quarter of a circle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +47,10 @@ class Bodies:
         rows = (3 * pieces[:, None] + np.arange(3)).ravel()
         rings = [np.arange(self.bodies[row], self.bodies[row + 1]) for row in rows]
         chosen = np.concatenate(rings)
-        parts = [self.points[self.rings[ring] : self.rings[ring + 1]] for ring in chosen]
+        ring_points = [self.points[self.rings[ring] : self.rings[ring + 1]] for ring in chosen]
         return (
-            np.concatenate([np.empty((0, 2)), *parts]),
-            _offsets([len(part) for part in parts]),
+            np.concatenate([np.empty((0, 2)), *ring_points]),
+            _offsets([len(points) for points in ring_points]),
             _offsets([len(ring) for ring in rings]),
             self.lengths[pieces],
             self.reaches[pieces],
@@ -65,15 +60,15 @@ class Bodies:
 def make_bodies(transform: Transform, parameters: MotionParameters) -> Bodies:
     """Shrink and relieve the pieces of a transform.
 
-    A body holds its piece shrunk by half the gap (parts narrower than the gap vanish) and lies within the piece shrunk
-    by 0.6 of that, so that no two bodies touch in either closed chain.
+    A body contains its piece shrunk by half the gap (what is narrower than the gap vanishes). It lies in the piece
+    shrunk by 0.6 of that, so that no two bodies touch in either closed chain.
     """
     side = max(extent(transform.outline_p()), extent(transform.outline_q()))
     gap, relief = parameters.gap * side, parameters.relief * side
     bodies: list[list[FloatArray]] = []
     for piece in transform.pieces:
         whole = shrunk(piece, gap)
-        discs = [shapely.Point(x, 0.0).buffer(relief, quad_segs=QUARTER) for x in (0.0, piece.length)]
+        discs = [shapely.Point(x, 0.0).buffer(relief, quad_segs=QUARTER_SEGMENTS) for x in (0.0, piece.length)]
         bodies += [_rings(body) for body in (whole, *(whole.difference(disc) for disc in discs))]
     rings = [ring for body in bodies for ring in body]
     lengths = np.array([piece.length for piece in transform.pieces])
@@ -92,13 +87,14 @@ def shrunk(piece: Piece, gap: float) -> shapely.Geometry:
     """A piece, in its frame, less half the gap all round, its outline simplified outwards."""
     polygon = shapely.Polygon(piece.polygon)
     polygon = polygon if polygon.is_valid else polygon.buffer(0.0)
-    slack = SIMPLIFY * 0.5 * gap
-    return polygon.buffer(slack - 0.5 * gap, quad_segs=QUARTER).simplify(slack, preserve_topology=True)
+    slack = SIMPLIFY_SHARE * 0.5 * gap
+    return polygon.buffer(slack - 0.5 * gap, quad_segs=QUARTER_SEGMENTS).simplify(slack, preserve_topology=True)
 
 
 def _rings(body: shapely.Geometry) -> list[FloatArray]:
-    parts = [part for part in shapely.get_parts(body) if part.geom_type == "Polygon" and not part.is_empty]
-    return [shapely.get_coordinates(part.exterior)[:-1] for part in parts]
+    """The outer rings (k, 2) of the polygons of a body."""
+    polygons = [shape for shape in shapely.get_parts(body) if shape.geom_type == "Polygon" and not shape.is_empty]
+    return [shapely.get_coordinates(polygon.exterior)[:-1] for polygon in polygons]
 
 
 def _reaches(body: list[FloatArray], length: float) -> tuple[float, float]:

@@ -1,8 +1,8 @@
-"""The plan: which hinge opens, how the others turn, and which of them must lift, if any (theory §9). Ours.
+"""Plan a motion: which hinge opens, how the others turn, and which of them must lift, if any (theory §9). Ours.
 
 The ring of pieces is cut at the open hinge and at every hinge that lifts. Each subchain between two cuts keeps to a
-plane of its own, one level above the subchain before, so that subchains do not see each other: a set of cuts will do if
-each subchain has a free way by itself. If a subchain has none, a longer one that holds it has none either.
+plane of its own, one level above the subchain before, so that subchains do not meet: a set of cuts is enough if each
+subchain has a free way by itself. If a subchain has none, a longer one that contains it has none either.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ import numpy as np
 from riot.motion.bodies import Bodies, make_bodies
 from riot.motion.search import Subchain, find_path
 from riot.parameters import MotionParameters as MotionParameters
-from riot.transform.motion import LIFT, SEARCHES
+from riot.transform.motion import SEARCHES
 from riot.transform.motion import Attempt as Attempt
 from riot.transform.motion import Motion as Motion
 from riot.transform.pose import Chain
 from riot.transform.transform import Transform
 from riot.transform.transform_cache import once_per_transform
+from riot.transform.tuning import LIFT
 from riot.types import FloatArray, IntArray
 
 

@@ -1,4 +1,4 @@
-"""Searches for a way of one subchain of the chain from its turns in P to those in Q (theory §9). Ours.
+"""Search for a path of one subchain from its turns in P to those in Q (theory §9). Ours.
 
 A path is a (k, m − 1) array of the turns of a subchain of m pieces, hinges turning evenly between two rows.
 """
@@ -12,23 +12,16 @@ import numpy as np
 
 from riot.kernels.collide import clear_share
 from riot.motion.bodies import Bodies
+from riot.motion.tuning import (
+    CONTACT_SHARE,
+    DISTANCE_CAP,
+    LEAST_STEP,
+    MOST_ORDERED_TURNS,
+    POSE_SPREAD,
+    STEP_BACK,
+    UNIFORM_SHARE,
+)
 from riot.types import FloatArray, IntArray
-
-FLOOR = 0.25
-"""Two bodies are in contact when nearer than this share of half the gap."""
-
-CAP = 0.25
-"""Distances beyond this (unit-area frame) need not be exact."""
-
-_LONG = 12
-"""Longer subchains are not tried one hinge at a time: the orders would be too many."""
-
-_NEAR = 0.2
-"""Standard deviation of the random poses around known ones, as shares of the hinges' whole turns."""
-
-_STEP_BACK = 0.8
-_LEAST_STEP = 0.02
-"""Of a subchain that is not all free so much is taken, unless it is shorter than this (shares of whole turns)."""
 
 
 class Subchain:
@@ -38,11 +31,11 @@ class Subchain:
         self.start, self.goal = start, goal
         self.checks = 0
         self._arrays = bodies.subchain(pieces)
-        self._floor = FLOOR * 0.5 * bodies.gap
+        self._floor = CONTACT_SHARE * 0.5 * bodies.gap
 
     def share(self, before: FloatArray, after: FloatArray, *, whole: bool = False) -> float:
         """How far the way from one pose to another is proven free; with ``whole`` it may be less than that."""
-        share, checks = clear_share(*self._arrays, before, after, self._floor, CAP, whole)
+        share, checks = clear_share(*self._arrays, before, after, self._floor, DISTANCE_CAP, whole)
         self.checks += checks
         return float(share)
 
@@ -52,7 +45,10 @@ class Subchain:
 
 
 def find_path(subchain: Subchain, search: str, samples: int, seed: int) -> FloatArray | None:
-    """A free path by one of `riot.transform.motion.SEARCHES`; None if it finds none."""
+    """Find a free path (k, m − 1) by one of `riot.transform.motion.SEARCHES`; None if that finds none.
+
+    ``samples`` is the number of random poses, ``seed`` theirs, of the search "sampled".
+    """
     turns = len(subchain.start)
     straight = np.zeros(turns)
     if search == "together":
@@ -63,7 +59,7 @@ def find_path(subchain: Subchain, search: str, samples: int, seed: int) -> Float
         return path if subchain.free(path) else None
     if search == "sampled":
         path_with_detours = _sampled(subchain, samples, seed)
-    elif turns >= _LONG:
+    elif turns >= MOST_ORDERED_TURNS:
         return None
     else:
         stops = [subchain.start, subchain.goal] if search == "one by one" else [subchain.start, straight, subchain.goal]
@@ -110,11 +106,11 @@ def _sampled(subchain: Subchain, samples: int, seed: int) -> FloatArray | None:
     trees = (_Tree(subchain.start), _Tree(subchain.goal))
     for k in range(samples):
         mine, other = trees[k % 2], trees[1 - k % 2]
-        if rng.random() < 0.5:
+        if rng.random() < UNIFORM_SHARE:
             shares = rng.random(len(whole))
-        else:  # close to a known pose: the way out of a closed chain is narrow
+        else:
             known = (mine.poses[int(rng.integers(len(mine.poses)))] - subchain.start) / whole
-            shares = np.clip(known + _NEAR * rng.standard_normal(len(whole)), 0.0, 1.0)
+            shares = np.clip(known + POSE_SPREAD * rng.standard_normal(len(whole)), 0.0, 1.0)
         grown = mine.grow(subchain, subchain.start + shares * whole, whole)
         if grown is None:
             continue
@@ -141,8 +137,8 @@ class _Tree:
         far = float(np.sqrt((shares[nearest] ** 2).sum()))
         share = subchain.share(self.poses[nearest], target)
         if share < 1.0:
-            share *= _STEP_BACK
-            if share * far < _LEAST_STEP:
+            share *= STEP_BACK
+            if share * far < LEAST_STEP:
                 return None
             target = self.poses[nearest] + share * (target - self.poses[nearest])
         self.poses.append(target)

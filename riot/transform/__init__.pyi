@@ -9,3 +9,4 @@ from . import provenance as provenance
 from . import riot_file as riot_file
 from . import transform as transform
 from . import transform_cache as transform_cache
+from . import tuning as tuning

@@ -1,4 +1,4 @@
-"""The certificate of a transform: whether its pieces tile both shapes exactly (theory §8)."""
+"""Certify a transform: whether its pieces tile both shapes exactly (theory §8). Ours."""
 
 from __future__ import annotations
 
@@ -10,18 +10,13 @@ import shapely
 from riot.transform.pose import Pose, direction
 from riot.transform.transform import Transform
 from riot.transform.transform_cache import once_per_transform
+from riot.transform.tuning import COVERAGE_TOLERANCE, HINGE_TOLERANCE
 from riot.types import FloatArray
-
-AREA_TOLERANCE = 1e-9
-"""Greatest overlap, and greatest difference of areas, that a certificate accepts (unit-area shapes)."""
-
-HINGE_TOLERANCE = 1e-12
-"""Greatest distance between the two pieces' ideas of one hinge that a certificate accepts."""
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """What was verified of one closed chain; residuals are areas or lengths of unit-area shapes.
+    """The residuals of one closed chain: areas and lengths of unit-area shapes.
 
     ``overlap`` = Σ piece areas − area of their union; ``gap`` = area within the outline − area of the union;
     ``hinge`` = greatest distance between two pieces' ends that a hinge joins, the closing one too; ``simple``: the
@@ -38,8 +33,8 @@ class Assembly:
     def failures(self) -> tuple[str, ...]:
         """Which checks fail, in words."""
         checks = (
-            (abs(self.overlap) >= AREA_TOLERANCE, f"pieces overlap by {self.overlap:.2g}"),
-            (abs(self.gap) >= AREA_TOLERANCE, f"pieces leave gaps of {self.gap:.2g}"),
+            (abs(self.overlap) >= COVERAGE_TOLERANCE, f"pieces overlap by {self.overlap:.2g}"),
+            (abs(self.gap) >= COVERAGE_TOLERANCE, f"pieces leave gaps of {self.gap:.2g}"),
             (self.hinge >= HINGE_TOLERANCE, f"hinges miss by {self.hinge:.2g}"),
             (not self.simple, "the outline touches or crosses itself"),
         )
@@ -55,7 +50,7 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """All residuals within `AREA_TOLERANCE` and `HINGE_TOLERANCE`, both outlines simple."""
+        """Whether all residuals are within the tolerances of `riot.transform.tuning`, and both outlines are simple."""
         return not self.p.failures and not self.q.failures
 
     @property
@@ -95,14 +90,14 @@ def _certificate(transform: Transform) -> Certificate:
 def _assembly(transform: Transform, pose: Pose, outline: FloatArray) -> Assembly:
     polygons = transform.parts(pose)
     owner = np.repeat(np.arange(len(polygons)), [len(polygon) for polygon in polygons])
-    parts = shapely.polygons(shapely.linearrings(np.concatenate(polygons), indices=owner))
+    pieces = shapely.polygons(shapely.linearrings(np.concatenate(polygons), indices=owner))
     ring = shapely.linearrings(outline)
     region = shapely.polygons(ring)
-    simple = bool(shapely.is_simple(ring)) and bool(shapely.is_valid(parts).all())
+    simple = bool(shapely.is_simple(ring)) and bool(shapely.is_valid(pieces).all())
     if not simple:
-        parts, region = shapely.make_valid(parts), shapely.make_valid(region)
-    union = shapely.union_all(parts).area
-    total = float(sum(shapely.area(parts).tolist()))
+        pieces, region = shapely.make_valid(pieces), shapely.make_valid(region)
+    union = shapely.union_all(pieces).area
+    total = float(sum(shapely.area(pieces).tolist()))
     return Assembly(total - union, float(shapely.area(region)) - union, _hinge_error(transform, pose), simple)
 
 

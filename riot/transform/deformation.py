@@ -1,4 +1,4 @@
-"""The deformation of a transform: how far its two assemblies are from the inputs (theory §8)."""
+"""Measure the deformation of a transform: how far its two assemblies are from the inputs (theory §8)."""
 
 from __future__ import annotations
 
@@ -10,14 +10,9 @@ import shapely
 
 from riot.transform.transform import Transform
 from riot.transform.transform_cache import once_per_transform
+from riot.transform.tuning import BOUNDARY_SAMPLE_STEP, LEAST_BOUNDARY_SAMPLES, LEAST_CHANGE
 from riot.types import FloatArray
 from riot.units import L_C
-
-LEAST_CHANGE = 1e-4
-"""Bounds of the IoU are no more accurate: changes are not compared with less."""
-
-SAMPLE_STEP = L_C / 400
-"""Outlines are compared at points this far apart."""
 
 
 @dataclass(frozen=True)
@@ -105,9 +100,9 @@ def overlap_ratio(outline: FloatArray, reference: FloatArray) -> float:
 
 
 def _distances(outline: FloatArray, reference: FloatArray) -> FloatArray:
-    """From points of one boundary, its vertices among them, to another's."""
+    """Distances from points of one boundary (m, 2), its vertices among them, to another (k, 2)."""
     ring = shapely.LinearRing(outline)
-    count = max(16, int(np.ceil(ring.length / SAMPLE_STEP)))
+    count = max(LEAST_BOUNDARY_SAMPLES, int(np.ceil(ring.length / BOUNDARY_SAMPLE_STEP)))
     samples = shapely.line_interpolate_point(ring, np.arange(count) / count, normalized=True)
     target = shapely.LinearRing(reference)
     shapely.prepare(target)

@@ -1,4 +1,4 @@
-"""Motion: the planned way of a chain from P to Q, as key frames (theory §9). Ours."""
+"""The motion of a chain from P to Q, as key frames (theory §9). Ours."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from riot.transform.pose import Chain, Placement, Pose, swing
+from riot.transform.tuning import LIFT
 from riot.types import FloatArray, IntArray
 
 SEARCHES = ("together", "one by one", "through the straight chain", "straight, one by one", "sampled")
 """How hinges turn, by name, the calmest first: all evenly from P to Q; one after another in some order; all to the
 straight chain and on; one after another with a stop when straight; from pose to pose between random ones."""
-
-LIFT = 0.1
-"""Share of the whole time for lifting, and as much for lowering, if hinges lift."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ class Motion:
     lifted : tuple of int
         Telescopic hinges, in chain order from the open one: the pieces after one move in the next higher plane.
     search : str
-        Which search found it, of several stretches the least calm (`SEARCHES`).
+        The least calm of the searches (`SEARCHES`) that found the ways of its subchains.
     times : (k,) float64
         Of the key frames, from 0 (P) to 1 (Q), increasing.
     turns : (k, n) float64

@@ -21,9 +21,9 @@ def once_per_transform(function: Callable[[Transform], Value]) -> Callable[[Tran
     values: WeakKeyDictionary[Transform, Value] = WeakKeyDictionary()
 
     @wraps(function)
-    def once(transform: Transform) -> Value:
+    def cached(transform: Transform) -> Value:
         if transform not in values:
             values[transform] = function(transform)
         return values[transform]
 
-    return once
+    return cached

@@ -28,7 +28,8 @@ from riot.fabricate.telescope import make_telescope
 from riot.geometry.polyline import extent, signed_area
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters import allowed_range
-from riot.transform.motion import LIFT, Motion
+from riot.transform.motion import Motion
+from riot.transform.tuning import LIFT
 
 PAIRS = ((3, 1), (5, 1), (6, 2))
 

@@ -11,7 +11,8 @@ from blobs import blob_polygon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from riot.transform.fidelity import SCALE, bending_energy, bending_ratio, direction_error
+from riot.transform.fidelity import bending_energy, bending_ratio, direction_error
+from riot.transform.tuning import SMOOTHING_SCALE
 from riot.types import FloatArray
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -55,7 +56,7 @@ def test_a_circle_bends_as_a_circle_does() -> None:
 
 
 def test_a_corner_bends_as_its_smoothing_does() -> None:
-    expected = 4.0 * (math.pi / 2.0) ** 2 / (2.0 * math.sqrt(math.pi) * SCALE)
+    expected = 4.0 * (math.pi / 2.0) ** 2 / (2.0 * math.sqrt(math.pi) * SMOOTHING_SCALE)
     assert bending_energy(SQUARE) == pytest.approx(expected, rel=0.25)
 
 

@@ -23,7 +23,7 @@ from riot.draw.scene import Dot, PlacedPiece, extent
 from riot.draw.strip import POSES, strip_scene
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import Motion, plan_motion
-from riot.transform.motion import LIFT
+from riot.transform.tuning import LIFT
 
 SVG = "{http://www.w3.org/2000/svg}"
 
