@@ -178,8 +178,8 @@ TRUNKS_ON = frozenset({"qcrs", "select"})
 CROSS_ON = frozenset({"crs", "refine", "shortlist", "construct", "motion"})
 
 
-def _code(module: str, old: str, new: str, again: Iterable[str], part: str = "") -> Edit:
-    cause = f"code.{module}{part}" if again else ""
+def _code(module: str, old: str, new: str, again: Iterable[str], changed: str = "") -> Edit:
+    cause = f"code.{module}{changed}" if again else ""
     return Edit(f"{module}: {new[:20]!r}", lambda p: p.edit(module, old, new), frozenset(again), cause)
 
 

@@ -21,7 +21,7 @@ from riot.geometry.picture import SUFFIXES
 from riot.parameters.field import ParameterGroup, parameter
 
 PICTURES = frozenset({*SUFFIXES, ".svg"})
-"""Files with these suffixes are items; whether they are pictures shows at ingest."""
+"""Files with these suffixes are items of a collection. Ingest finds out whether they can be read."""
 
 Kind = Literal["sample", "folder", "mpeg7", "animals", "paper"]
 
@@ -71,9 +71,9 @@ class DatasetConfig(ParameterGroup):
 
 @dataclass(frozen=True)
 class Rejected:
-    """A file that is no item, though its suffix is a picture's; ``reason`` is one word, the message tells more.
+    """A file that has the suffix of a picture and cannot be an item; ``reason`` is one word, ``message`` a sentence.
 
-    ``stage``: what rejected it, ``type``: the type of the error, after so many ``attempts``.
+    ``stage`` is the stage that rejected it, ``type`` the type of the error, after ``attempts`` attempts.
     """
 
     name: str
@@ -87,7 +87,7 @@ class Rejected:
 
 @dataclass(frozen=True)
 class Collection:
-    """Items, sorted by name, no two with the same bytes; ``ignored`` counts files that are no pictures by suffix."""
+    """Items, sorted by name, no two with the same bytes; ``ignored`` counts the files without a picture's suffix."""
 
     name: str
     items: tuple[Item, ...]
@@ -113,12 +113,16 @@ def collect(config: DatasetConfig) -> Collection:
 
 
 def default_root(kind: str) -> Path:
-    """Where a public data set lies if no folder is given: in the user's cache folder."""
+    """The folder of a public data set if the user names none: it is in the user's cache folder."""
     return user_cache_path("riot") / kind
 
 
 def class_of(name: str) -> str:
-    """The class of an item: its sub-folder, else its file name before the last ``-`` or ``_`` and digits, else none."""
+    """The class of an item: its sub-folder, else its file name before the last ``-`` or ``_`` and digits, else none.
+
+    >>> class_of("fish/7"), class_of("fish-7"), class_of("fish")
+    ('fish', 'fish', '')
+    """
     folder, _, stem = name.rpartition("/")
     return folder or _class_of_stem(stem)
 
@@ -150,7 +154,7 @@ def _animals(name: str, root: Path, option: str = "root") -> Collection:
 
 
 def _paper(config: DatasetConfig) -> Collection:
-    """Both data sets in one collection, names below ``mpeg7/`` and ``animals/``; classes of one name are one class.
+    """Join both data sets, with names below ``mpeg7/`` and ``animals/``; classes of the same name become one class.
 
     The paper counts 81 classes among the two sets' 70 and 20.
     """
@@ -201,7 +205,7 @@ def _listed(name: str, root: Path, get: str) -> Collection:
 
 
 def _pictures(root: Path, get: str) -> tuple[list[Path], list[Rejected], int]:
-    """Picture files below a folder, those that links lead outside, and the number of other files."""
+    """List the pictures below a folder, the rejected files, and the number of ignored ones."""
     if not root.is_dir():
         what = "is not a folder" if root.exists() else "does not exist"
         raise DatasetError(f"{root}: {what}; {get}")
@@ -235,7 +239,7 @@ def _pictures(root: Path, get: str) -> tuple[list[Path], list[Rejected], int]:
 
 
 def _is_text(name: str) -> bool:
-    """Whether a name can be written into tables and keys; a file system may hold any bytes."""
+    """Whether a name can be written into tables and keys: a file's name may be any bytes."""
     try:
         name.encode()
     except UnicodeEncodeError:
@@ -244,7 +248,7 @@ def _is_text(name: str) -> bool:
 
 
 def _answers(path: Path) -> bool:
-    """Whether opening a path gives a file or says why not; a pipe or a device could wait for ever."""
+    """Whether opening a path returns a file or raises an error at once; a pipe or a device may block for ever."""
     try:
         return path.is_file() or not path.exists()
     except OSError:  # a folder that may be listed and not entered
@@ -252,7 +256,7 @@ def _answers(path: Path) -> bool:
 
 
 def _named(root: Path, paths: Iterable[Path]) -> list[tuple[str, Path]]:
-    """Unique names, sorted; pictures that differ in the suffix only keep it, and if need be a number after it."""
+    """Give each path a unique name, and sort them. Names lose the suffix unless two would be equal without it."""
     by_file = sorted((_normal(path.relative_to(root).as_posix()), str(path), path) for path in paths)
     stems = Counter(_without_suffix(file, path) for file, _, path in by_file)
     names: list[tuple[str, Path]] = []

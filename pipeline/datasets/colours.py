@@ -9,11 +9,11 @@ from riot.geometry.picture import FORMATS
 
 
 def may_be_coloured(item: Item) -> bool:
-    """Whether an item is a picture that can be transparent, by its header; False for what cannot be opened."""
+    """Whether the header of an item's file says that it can be transparent; False if the file cannot be opened."""
     if item.source.startswith(SAMPLE_PREFIX):
         return False
     try:
         with Image.open(item.source, formats=FORMATS) as image:
             return "A" in image.getbands() or "transparency" in image.info
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):  # as ingest will have said
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):  # ingest reports such a file
         return False

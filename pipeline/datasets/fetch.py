@@ -35,17 +35,21 @@ MPEG7_URLS = ("http://www.dabi.temple.edu/~shape/MPEG7/MPEG7dataset.zip",)
 
 MPEG7_MANIFEST = Path(__file__).parent / "manifests" / "mpeg7.csv"
 
-_MAX_PIXELS = 10_000_000
+MOST_PIXELS = 10_000_000
+"""Pixels that a picture may have before it is decoded; those of MPEG-7 have at most a tenth (ours)."""
+
 _NO_ARCHIVE = (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, zlib.error, lzma.LZMAError, ValueError)
-"""What `zipfile` ends in when an archive is damaged, encrypted or packed in a way of its own."""
-_TIMEOUT = 60.0
+"""Errors of `zipfile` for an archive that is damaged, encrypted, or packed by an unknown method."""
+
+TIMEOUT = 60.0
+"""Seconds without an answer after which an address is given up (ours)."""
 
 
 @dataclass(frozen=True)
 class DownloadLimits:
-    """Bytes that a download and its pictures, unpacked, may have: more of them are another archive.
+    """Bytes that the archive and its unpacked pictures may have at most: a larger archive is not this data set.
 
-    The pictures of MPEG-7 have a tenth of ``download``, unpacked.
+    The pictures of MPEG-7, unpacked, have a tenth of ``download``.
     """
 
     download: int = 50_000_000
@@ -70,17 +74,17 @@ def fetch(
     urls: Sequence[str] = MPEG7_URLS,
     manifest: Path = MPEG7_MANIFEST,
     *,
-    timeout: float = _TIMEOUT,
+    timeout: float = TIMEOUT,
     limits: DownloadLimits = DOWNLOAD_LIMITS,
 ) -> bool:
-    """Put a data set into the folder ``target``, complete and checked, or leave nothing; False if it was there.
+    """Put a data set into the folder ``target``, complete and checked, or leave nothing; False if it is already there.
 
-    Raises `DatasetError`: no address answers, the archive is damaged, pictures are missing or altered, the folder
-    exists with other content, or cannot be written.
+    Raises `DatasetError` if no address answers, the archive is damaged, pictures are missing or altered, or the folder
+    has other content or cannot be written.
     """
     entries = read_manifest(manifest)
     if target.exists() and not target.is_dir():
-        raise DatasetError(f"{target}: exists, and is not a folder; give another place")
+        raise DatasetError(f"{target}: exists, and is not a folder; give another folder")
     if target.exists() and any(target.iterdir()):
         faults = check(target, entries)
         if not faults:
@@ -109,13 +113,13 @@ def fetch(
         raise DatasetError(f"{target}: cannot be written ({error.strerror or error}); give another folder") from error
     finally:
         if new_parent:
-            with contextlib.suppress(OSError):  # there by now, unless nothing was fetched
+            with contextlib.suppress(OSError):  # not empty once the data set is in it
                 target.parent.rmdir()
     return True
 
 
 def check(folder: Path, entries: Iterable[ManifestEntry]) -> list[str]:
-    """What is wrong with the pictures in a folder, one line each; empty = all there and unaltered."""
+    """List the pictures of ``entries`` that are missing, unreadable or altered in a folder, a line for each."""
     files = {path.stem.casefold(): path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES}
     faults: list[str] = []
     for entry in entries:
@@ -132,7 +136,7 @@ def check(folder: Path, entries: Iterable[ManifestEntry]) -> list[str]:
 def entry_of(path: Path, name: str) -> ManifestEntry:
     """The manifest entry of a picture file: each pixel is object if any of red, green, blue is not zero."""
     with Image.open(path, formats=FORMATS) as image:
-        if image.width * image.height > _MAX_PIXELS:
+        if image.width * image.height > MOST_PIXELS:
             raise ValueError(f"{path}: too large")
         pixels = np.asarray(image.convert("RGB")).any(axis=2)
     return ManifestEntry(
@@ -181,7 +185,7 @@ class _TooLong(ValueError):
 
 
 class _Limited:
-    """A file being written that takes so many bytes and no more: what a server announces need not be true."""
+    """A file that accepts a limited number of bytes: a server may send more than it announces."""
 
     def __init__(self, file: BinaryIO, most: int) -> None:
         self._file, self._most, self._left = file, most, most
@@ -213,7 +217,7 @@ def _download(urls: Sequence[str], folder: Path, timeout: float, most: int) -> P
             return Path(
                 pooch.retrieve(
                     url,
-                    known_hash=None,  # nobody published one; the pictures are checked instead
+                    known_hash=None,  # none is published; the pictures are checked instead
                     fname=name,
                     path=folder,
                     downloader=download,
@@ -221,9 +225,9 @@ def _download(urls: Sequence[str], folder: Path, timeout: float, most: int) -> P
             )
         except _TooLong as error:
             failures.append(f"{url} ({error})")
-        except Exception as error:  # whatever the transport raises, the next address may do
+        except Exception as error:  # whatever this address raises, the next may answer
             if isinstance(error, OSError) and error.errno in UNWRITABLE:
-                raise  # a full disk: no address will do
+                raise  # no address helps against a full disk
             failures.append(f"{url} ({type(error).__name__}: {str(error)[:200]})")
     raise DatasetError(
         "no address gives the data set; check the network, or get it elsewhere and give dataset.root=DIR. Tried: "
@@ -232,7 +236,7 @@ def _download(urls: Sequence[str], folder: Path, timeout: float, most: int) -> P
 
 
 def _unpack(archive: Path, folder: Path, entries: Iterable[ManifestEntry], most: int) -> None:
-    """Unpack the pictures that the manifest lists, under its names: no path in the archive is ever followed."""
+    """Unpack the pictures that the manifest lists, under the manifest's names; paths in the archive are not used."""
     wanted = {entry.name.casefold(): entry.name for entry in entries}
     try:
         with zipfile.ZipFile(archive) as packed:

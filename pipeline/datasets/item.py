@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 
 SOURCE = "{source}"
-"""Stands for an item's source in kept messages: where a collection lies is no part of its content."""
+"""Replaces an item's path in stored messages, so that they do not depend on the collection's folder."""
 
 SAMPLE_PREFIX = "sample:"
 """Begins the source of an item of the embedded sample."""

@@ -1,6 +1,6 @@
-"""Reading the silhouette of one item, apart from how collections are listed.
+"""Read the silhouette of an item.
 
-Ingest runs this module and not the listing, so that a change of how folders are listed leaves every artifact alone.
+The stage ingest runs this module and not `collection`: an edit of how folders are listed changes no key.
 """
 
 from __future__ import annotations

@@ -75,19 +75,19 @@ class ReportedRun:
         return sum(row.seconds for row in self.timings if row.seconds > 0.0)
 
     @property
-    def made(self) -> tuple[TransformRow, ...]:
+    def constructed(self) -> tuple[TransformRow, ...]:
         """Transforms that have a file: the certified ones, then the approximate ones, best first."""
         return tuple(row for row in self.transforms if row.file)
 
     @property
     def certified(self) -> tuple[TransformRow, ...]:
         """Transforms that passed, best first."""
-        return tuple(row for row in self.made if not row.approximate)
+        return tuple(row for row in self.constructed if not row.approximate)
 
     @property
     def approximate(self) -> tuple[TransformRow, ...]:
         """Transforms by the paper's method, best first."""
-        return tuple(row for row in self.made if row.approximate)
+        return tuple(row for row in self.constructed if row.approximate)
 
     @property
     def rejected(self) -> tuple[TransformRow, ...]:

@@ -47,7 +47,7 @@ def write_report(run_dir: Path) -> Path:
     cards: list[Card] = []
     temporary = new_place(run_dir)
     temporary.mkdir()
-    for before, now, after in _between(_readable(run_dir, run.made, lost)):
+    for before, now, after in _between(_readable(run_dir, run.constructed, lost)):
         row = now.row
         shown = card(row, now.transform, now.images)
         neighbours = [None if neighbour is None else neighbour.row for neighbour in (before, after)]

@@ -1,4 +1,4 @@
-"""The history of a transform that a run made: its chain of content keys, with what each of them names."""
+"""The history of a transform: the content keys of everything that it was computed from."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from riot.transform.history import History, HistoryStep
 from riot.transform.riot_file import from_json, to_json
 
 OF_PAIR = ("crs", "refine", "construct", "motion")
-"""Stages of a pair that its transform comes from, in order; which pairs are chosen is no part of a transform."""
+"""Stages of a pair whose results its transform is computed from, in order. How pairs are selected does not matter."""
 
 
 def pair_history(results: Results, pair: tuple[int, ...]) -> History:
-    """From what a run's transform of a pair comes: the same in any run that has it, whatever else was in it."""
+    """The history of the transform of a pair; it is the same in every run that has the transform."""
     progress, keys = results.progress, _keys(results, pair)
     versions: dict[str, str] = {}
     for stage in keys:

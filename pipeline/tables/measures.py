@@ -23,13 +23,13 @@ from pipeline.tables.record import read_record
 from pipeline.tables.results import Row
 
 QUANTILES = {"max": 1.0, "q90": 0.9, "median": 0.5}
-"""Of the scores of a run; each is a score that some pair has."""
+"""Quantiles of a run's scores, by name; each is the score of a pair, not a value between two."""
 
 CURVES = {
     "deformation": ("transforms", ("rank", "iou", "bound_p", "bound_q", "crs", "qcrs")),
     "stages": ("timings", ("stage", "items", "stored_seconds")),
 }
-"""Files with a table's name and columns; of transforms those that are certified."""
+"""CSV files by name: the table that each is made from, and its columns. Only certified transforms are listed."""
 
 
 def measures(folder: Path) -> dict[str, int | float | None]:

@@ -1,4 +1,4 @@
-"""What the counts of a run mean where a reader could wonder: said alike on the terminal and in the report."""
+"""Sentences that explain the counts of a run; the terminal and the report show the same ones."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pipeline.datasets.collection import PICTURES
 
 
 def sentences(counts: Mapping[str, int], policy: str) -> list[str]:
-    """Sentences on a run's ``counts`` (`pipeline.tables.record.counts`), none when nothing needs one."""
+    """Explain a run's ``counts`` (`pipeline.tables.record.counts`) where they may surprise; empty if none does."""
     return [
         *_trunks(counts),
         *_selection(counts, policy),
@@ -21,7 +21,11 @@ def sentences(counts: Mapping[str, int], policy: str) -> list[str]:
 
 
 def several(count: int, singular: str, plural: str = "") -> str:
-    """A number with its noun: ``1 shape``, ``2 shapes``; ``plural`` is the plural, if it is not one with an s."""
+    """A number with its noun; ``plural`` is needed where the plural is not ``singular`` with an s.
+
+    >>> several(1, "shape"), several(2000, "match", "matches")
+    ('1 shape', '2,000 matches')
+    """
     return f"{count:,} {singular if count == 1 else plural or singular + 's'}"
 
 

@@ -1,4 +1,4 @@
-"""Files of a run's folder, written beside their place and then renamed: tables, and folders that replace older ones."""
+"""Write the tables and folders of a run under temporary names, and then rename them to replace the older ones."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ from pipeline.tables import schemas as tables
 from pipeline.tables.results import Row
 
 NAME_LENGTH = 40
+"""Most characters of a shape's name in the name of a file: two of them and a rank stay readable in a listing (ours)."""
 
 
 def run_folder(config: Config) -> Path:
-    """Where the tables of a run go."""
+    """The folder of a run's tables."""
     return config.outputs / config.dataset.name
 
 
@@ -36,7 +37,7 @@ def write_table(folder: Path, name: str, batches: Iterable[pa.Table]) -> Path:
 
 
 def write_parquet(path: Path, schema: pa.Schema, batches: Iterable[pa.Table]) -> None:
-    """Write batches as one Parquet file, in place."""
+    """Write batches as one Parquet file at ``path``."""
     with pq.ParquetWriter(path, schema, compression="zstd") as writer:
         for batch in batches:
             writer.write_table(batch)
@@ -54,12 +55,12 @@ def from_columns(schema: pa.Schema, **columns: Any) -> pa.Table:
 
 
 def new_place(folder: Path) -> Path:
-    """A path in ``folder`` for what is not whole yet; nothing is there."""
+    """A new path in ``folder`` for something that is still being written."""
     return folder / f"{TEMPORARY}{uuid.uuid4().hex}"
 
 
 def replace_folder(temporary: Path, target: Path) -> None:
-    """Put a finished folder in the place of an older one, which is removed."""
+    """Rename a finished folder to ``target``; an older folder of that name is removed."""
     if target.exists():
         old = new_place(target.parent)
         target.replace(old)
@@ -71,9 +72,9 @@ def replace_folder(temporary: Path, target: Path) -> None:
 
 @contextlib.contextmanager
 def swept(folder: Path) -> Iterator[None]:
-    """Enter a run's folder; what is left there half written is removed, unless another run is in it, too.
+    """Remove half-written files from a run's folder on entry and on exit, unless another run uses the folder, too.
 
-    On entering that is what a killed run left, on leaving what this one had no room to end.
+    On entry these are what a killed run left; on exit, what this run could not finish on a full disk.
     """
     files = LocalFiles(folder)
 
@@ -94,6 +95,10 @@ def swept(folder: Path) -> Iterator[None]:
 
 
 def file_name(name: str) -> str:
-    """A name as part of a file's name: ASCII letters, digits, dots and dashes, not too long, never empty."""
+    """Make a name fit for a file's name: at most `NAME_LENGTH` ASCII letters, digits, dots and dashes; never empty.
+
+    >>> file_name("Écrevisse 7/a"), file_name("魚")
+    ('Ecrevisse-7-a', 'shape')
+    """
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
     return re.sub(r"[^A-Za-z0-9.-]+", "-", plain)[:NAME_LENGTH].strip("-.") or "shape"

@@ -17,7 +17,7 @@ from pipeline.tables.schemas import SCHEMAS, of_table
 
 
 def pair_names(results: Results, members: tuple[int, ...]) -> Row:
-    """The columns by which a pair is known: shape numbers, names, classes."""
+    """The columns that identify a pair: shape numbers, names, classes."""
     p, q = members
     first, second = results.progress.items[p], results.progress.items[q]
     return {
@@ -31,7 +31,7 @@ def pair_names(results: Results, members: tuple[int, ...]) -> Row:
 
 
 def stage_values(results: Results, table: str, members: tuple[int, ...], items: dict[str, WorkItem]) -> Row:
-    """What stages add to the row of a pair: of each stage the columns of its artifact, if it is there.
+    """The columns that stages add to the row of a pair; a stage without an artifact of the pair adds none.
 
     ``items`` are the pair's work items by stage.
     """
@@ -72,7 +72,7 @@ def crs_rows(results: Results) -> Iterator[Row]:
 def write_qcrs(results: Results, folder: Path) -> list[Path]:
     """Write the scores into ``qcrs/``, a file for each batch of first shapes; returns the files.
 
-    A new folder takes the old one's place, so that no part of an earlier run with more blocks stays.
+    A new folder replaces the old one, so that no file of an earlier run with more blocks stays.
     """
     temporary = new_place(folder)
     names = []
@@ -88,7 +88,7 @@ def write_qcrs(results: Results, folder: Path) -> list[Path]:
 
 
 def _block_row(results: Results, a: int) -> pa.Table:
-    """All pairs that there are with the first shape in batch ``a``, ordered by i and j."""
+    """All scored pairs whose first shape is in batch ``a``, ordered by i and j."""
     blocks = []
     for block in _collected(results, a) if "pairs" in results.progress.work else _blocks(results, a):
         block |= {name: results.numbers[block[name]] for name in ("i", "j")}
@@ -103,7 +103,7 @@ def _block_row(results: Results, a: int) -> pa.Table:
 
 
 def _blocks(results: Results, a: int) -> Iterator[dict[str, Any]]:
-    """Columns of the blocks of a row, i and j by position."""
+    """The columns of each block in row ``a``; i and j are positions in the collection."""
     batches = results.progress.batches
     for item in results.progress.work["qcrs"]:
         assert item.block is not None
@@ -116,7 +116,7 @@ def _blocks(results: Results, a: int) -> Iterator[dict[str, Any]]:
 
 
 def _collected(results: Results, a: int) -> Iterator[dict[str, Any]]:
-    """Columns of the collected pairs of a row, i and j by position."""
+    """The columns of the collected pairs in row ``a``; i and j are positions in the collection."""
     for item in results.progress.work["pairs"]:
         artifact = results.artifact(item)
         if artifact is not None:

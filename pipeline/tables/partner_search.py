@@ -1,4 +1,4 @@
-"""What a run with ``qcrs.mode=topk`` says of its search: in the metadata of its table of pairs, and in words."""
+"""The figures of a search with ``qcrs.mode=topk``, as metadata of the table of pairs and as a sentence."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from pipeline.tables.messages import several
 
 @dataclass(frozen=True)
 class PartnerSearch:
-    """``k`` partners of each of ``shapes`` shapes; ``compared`` counts a pair once for each of the two looked up.
+    """A search for the ``k`` best partners of each of ``shapes`` shapes.
 
-    ``missed`` shapes were not looked up everywhere, because that failed: the table may lack partners of theirs.
+    ``compared`` counts comparisons of trunks: a pair counts twice if it is compared from both sides. The search failed
+    in some shards for ``missed`` shapes: the table may lack partners of them.
     """
 
     k: int
@@ -30,11 +31,11 @@ class PartnerSearch:
 
     @property
     def meaning(self) -> str:
-        """What the table has."""
+        """Which pairs the table has."""
         return f"every pair i < j of which one is among the {several(self.k, 'best partner')} of the other"
 
     def sentence(self, kept: int) -> str:
-        """A sentence for the summary and the report."""
+        """Describe the search for the summary and the report; ``kept`` is the number of rows of the table."""
         missed = (
             f" Partners of {several(self.missed, 'shape')} could not be searched for everywhere." if self.missed else ""
         )
@@ -48,14 +49,14 @@ class PartnerSearch:
         """The schema of `qcrs` with these numbers and another meaning in its metadata."""
         numbers = asdict(self)
         if not self.missed:
-            del numbers["missed"]  # as a rule: the table of a search without failures says nothing of them
+            del numbers["missed"]  # the metadata mention failures only if there are any
         encoded = {name.encode(): str(value).encode() for name, value in numbers.items()}
         meaning = f"Quick cross-reversibility score (paper §5.2) of {self.meaning} (ours).".encode()
         return tables.SCHEMAS["qcrs"].with_metadata({**tables.SCHEMAS["qcrs"].metadata, b"meaning": meaning, **encoded})
 
 
 def read_search(metadata: Mapping[bytes, bytes] | None) -> PartnerSearch | None:
-    """What `PartnerSearch.schema` wrote; None for the table of all pairs."""
+    """Undo `PartnerSearch.schema`; None for the metadata of a table of all pairs."""
     encoded = metadata or {}
     numbers = {
         field.name: int(encoded[field.name.encode()])

@@ -1,4 +1,4 @@
-"""Writing a run's puzzles: a folder of files each, and a table of what became of them."""
+"""Write the puzzles of a run: a folder of files for each, and the table `fabrications`."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from pipeline.tables.results import Results, Row
 FOLDER = "print"
 
 SHARED = ("rank", "i", "j", "name_i", "name_j", "class_i", "class_j")
-"""Columns that a puzzle has in common with its transform."""
+"""Columns that a puzzle's row copies from its transform's row."""
 
 
 def write_puzzles(results: Results, transforms: Sequence[Row], folder: Path) -> list[Path]:
     """Write ``print/<pair>/…`` and the table `fabrications` into ``folder``; returns the files.
 
-    ``transforms`` are the rows of that table, with rank and file, a puzzle's folder is named as its transform's file.
+    ``transforms`` are the rows of the table of that name, with rank and file; a puzzle's folder has the name of its
+    transform's file.
     Puzzles of an earlier run are replaced.
     """
     temporary = new_place(folder)

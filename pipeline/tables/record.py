@@ -1,4 +1,4 @@
-"""run.json: what a run was, and whether its folder still holds exactly that."""
+"""run.json: the record of a run, and the check that the run's folder still has the files that the record lists."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STUDY = "study"
 FORMAT = "riot-run"
 VERSION = 1
 SHOWING = ("pipeline.tables.write", "pipeline.report.write", "pipeline.study.contents")
-"""Modules whose code decides what tables and report look like."""
+"""Modules whose code decides how tables and report look."""
 
 LIBRARIES = (
     "numpy",
@@ -43,12 +43,12 @@ LIBRARIES = (
 
 
 def outcome_digest(results: Results, assets: str) -> str:
-    """Digest of everything that the tables and the report show, times aside; ``assets`` is that of the templates."""
+    """Digest of all that the tables and the report show, except times; ``assets`` is the digest of the templates."""
     items = [[item.name, item.cls, item.shown_source, item.digest] for item in results.progress.items]
     done = results.progress.done
     work = [[*item.reference, item.reference in done] for items in results.work.values() for item in items]
     code = {name: digest for module in SHOWING for name, digest in code_digests(module).items()}
-    code |= {stage.module: file_digest(stage.module) for stage in STAGES}  # which tell what tables show of them
+    code |= {stage.module: file_digest(stage.module) for stage in STAGES}  # it says what the tables show of the stage
     return digest_text(
         canonical_json([VERSION, items, work, results.errors, code, assets, metadata.version("pyarrow")])
     )
@@ -62,7 +62,7 @@ def plain_config(config: Any) -> dict[str, Any]:
 def write_record(
     folder: Path, results: Results, digest: str, files: Sequence[Path], exit_code: int, times: Mapping[str, Any]
 ) -> None:
-    """Write ``artifacts.json`` (the keys that the run stands on) and then ``run.json``, the run's commit."""
+    """Write ``artifacts.json``, the keys of the artifacts that the run needs, and then ``run.json``, its commit."""
     keys: dict[str, list[str]] = {}
     for stage, key in sorted(results.progress.done):
         keys.setdefault(stage, []).append(key)
@@ -74,7 +74,7 @@ def write_record(
         "outcome": digest,
         "exit_code": exit_code,
         "configuration": plain_config(results.config),
-        "store": results.store.text,  # the configuration's may be relative to where the run was started
+        "store": results.store.text,  # the path in the configuration may be relative
         "versions": {
             "riot": metadata.version("riot-shapes"),
             "python": platform.python_version(),
@@ -89,11 +89,11 @@ def write_record(
 
 
 def counts(results: Results) -> dict[str, int]:
-    """Items, shapes, pairs, transforms, motions and errors by number.
+    """Count items, shapes, pairs, transforms, motions and errors.
 
-    ``classes`` counts a shape without a class as one of its own; ``without_trunks`` the shapes known to have none;
-    ``refused_textures`` the pictures that may have colours and can be no texture; ``blocked`` the work items
-    that were not tried because an input had failed.
+    ``classes`` counts a shape without a class as a class of its own; ``without_trunks`` counts the shapes that were
+    searched for trunks and have none, ``refused_textures`` the colour pictures that cannot be textures, ``blocked`` the
+    work items that were not tried because an input had failed.
     """
     constructions = [results.artifact(item) for item in results.work["construct"]]
     statuses = [artifact.document["status"] for artifact in constructions if artifact is not None]

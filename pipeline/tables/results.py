@@ -1,4 +1,4 @@
-"""What a run found, read back from the store item by item: the source of all tables."""
+"""The results of a run, read from the store item by item: the source of all tables."""
 
 from __future__ import annotations
 

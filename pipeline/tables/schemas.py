@@ -1,8 +1,8 @@
 """The tables of a run: one Arrow schema each, with the unit and the meaning of every column in its metadata.
 
 Columns that come from a stage stand in the stage's file; here are those that a table has by itself. `shape`, `i` and
-`j` are shape numbers: 0, 1, … in order of name, over the shapes of the run. Every table is plain columns, so that
-pandas, Arrow, Dask and DuckDB read it without this project.
+`j` are shape numbers: 0, 1, … in order of name, over the shapes of the run. Tables have plain columns only: pandas,
+Arrow, Dask and DuckDB read them without this project.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ OWN_COLUMNS: dict[str, tuple[str, tuple[Column, ...]]] = {
         ),
     ),
 }
-"""Meaning and columns of tables that are more than the columns of stages; a stage may give the meaning."""
+"""The columns that a table has by itself, before those of stages, and its meaning unless a stage gives it."""
 
 
 def arrow_type(kind: str) -> pa.DataType:
@@ -99,7 +99,7 @@ def schema(meaning: str, *columns: pa.Field) -> pa.Schema:
 
 
 def of_table(table: str) -> list[tuple[Stage, TableColumns]]:
-    """What stages add to a table, in order of the stages."""
+    """The columns that stages add to a table, in order of the stages."""
     return [(stage, added) for stage in STAGES for added in stage.tables if added.table == table]
 
 
@@ -181,7 +181,7 @@ SWEEP = _schema(
 )
 
 TABLES = tuple(dict.fromkeys([*OWN_COLUMNS, *(added.table for stage in STAGES for added in stage.tables)]))
-"""Tables of what was computed, by name."""
+"""Names of the tables of results."""
 
 SCHEMAS = {name: _table(name) for name in TABLES} | {"errors": ERRORS, "timings": TIMINGS}
 """Every table by name; ``qcrs`` is a folder, partitioned by block row, the others ``<name>.parquet``."""

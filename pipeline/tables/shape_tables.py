@@ -1,4 +1,4 @@
-"""Tables with rows of shapes: `shapes`, and those that stages of shapes have as their own."""
+"""Tables with rows of shapes: `shapes`, and the tables that belong to a single stage."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def shape_rows(results: Results) -> Iterator[pa.Table]:
 
 
 def stage_rows(results: Results, table: str) -> Iterator[pa.Table]:
-    """A stage's own table, batch by batch: its columns after the numbers of the shapes that they are of."""
+    """The table of a single stage, batch by batch: the shapes' numbers, then the stage's columns."""
     ((stage, added),) = of_table(table)
     for batch, item in zip(results.progress.batches, results.progress.work[stage.name], strict=True):
         artifact = results.artifact(item)

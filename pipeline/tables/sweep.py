@@ -1,4 +1,4 @@
-"""The tables of a sweep: what became of each job beside its parameters, and what each of its stages cost."""
+"""The tables of a sweep: the parameters and the outcome of each job, and the cost of its stages."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from pipeline.tables.outputs import from_rows, new_place, write_parquet
 from pipeline.tables.results import Row
 
 PREFIX = "sweep="
-"""Begins the name of the folder beside the runs; what is swept over follows."""
+"""Begins the name of a sweep's folder; the names of the swept parameters follow."""
 
 STATUSES = {CLEAN: "clean", WITH_ERRORS: "errors", BAD_START: "refused", FAILED: "failed"}
-"""What a job's exit code says."""
+"""The status of a job, by its exit code."""
 
 Value = bool | int | float | str | None
 
 COLUMNS = {bool: pa.bool_(), int: pa.int64(), float: pa.float64(), str: pa.string()}
-"""Types of parameters, and of their columns."""
+"""The Arrow type of a parameter's column, by the type of its values."""
 
 
 @dataclass(frozen=True)
 class SweepJob:
-    """One job of a sweep: its values of what is swept over, by name, and its exit code.
+    """One job of a sweep: the values of the swept parameters, by name, and the exit code.
 
-    ``folder`` has its tables, None if it did not finish; ``message`` says why.
+    ``folder`` has the job's tables; it is None if the job did not finish, and ``message`` says why.
     """
 
     values: Mapping[str, Value]
@@ -50,7 +50,7 @@ def write_sweep(outputs: Path, jobs: Sequence[SweepJob]) -> Path:
     columns, kinds = {}, {}
     for name in names:
         columns[name], kinds[name] = _alike([job.values[name] for job in jobs])
-    # Of equal jobs the last, whose tables are the ones that are there.
+    # Of equal jobs the last counts: its tables replaced those of the others.
     last_job = {values: number for number, values in enumerate(zip(*columns.values(), strict=True))}
     ordered = sorted(last_job, key=lambda values: [(value is not None, value) for value in values])
     ordered_jobs = [(dict(zip(names, values, strict=True)), jobs[last_job[values]]) for values in ordered]
@@ -77,7 +77,7 @@ def _write(path: Path, schema: pa.Schema, kinds: Mapping[str, pa.DataType], rows
 
 
 def _alike(values: Sequence[Value]) -> tuple[list[Value], pa.DataType]:
-    """Values of one parameter as one type: whole numbers beside others are numbers, other mixtures are text."""
+    """Give the values of a parameter one type: float for int and float together, str for any other mixture."""
     kinds = {type(value) for value in values if value is not None}
     if len(kinds) == 1:
         return list(values), COLUMNS[kinds.pop()]

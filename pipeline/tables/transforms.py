@@ -19,7 +19,7 @@ STATUSES = ("certified", "approximate", "rejected")
 
 
 def transform_rows(results: Results) -> list[Row]:
-    """Rows of `transforms`, ranked, with the text of their file as ``riot``, None where there is none."""
+    """Rows of `transforms`, ranked; ``riot`` is the text of the transform's file, None without one."""
     rows = []
     items = items_of_pairs(results, "transforms")
     selected = {item.members: rank for rank, item in enumerate(results.progress.work["crs"], start=1)}

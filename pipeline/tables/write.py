@@ -1,4 +1,4 @@
-"""Writing a run's tables from the store, batch by batch and block row by block row, in one deterministic form."""
+"""Write the tables of a run from the store, batch by batch, so that equal runs give equal bytes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pipeline.tables.transforms import transform_rows, write_transforms
 def write_tables(results: Results, folder: Path) -> list[Path]:
     """Write every table and the transforms' files into ``folder``; returns the files, sorted.
 
-    Each table is written beside its place and then renamed; those of an earlier run are replaced.
+    Each table is written under a temporary name and then renamed; it replaces the table of an earlier run.
     """
     folder.mkdir(parents=True, exist_ok=True)
     transforms = transform_rows(results)

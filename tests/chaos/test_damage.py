@@ -16,7 +16,7 @@ from chaos.nursery import Nursery
 from chaos.victims import begun, committed, little_memory, mine
 from integration.small_runs import digests
 
-from pipeline.cli.cache import DAMAGED, OK, main
+from pipeline.cli.cache import CLEAN, DAMAGED, main
 from pipeline.errors import PayloadError, StartError
 from pipeline.flow import run_pipeline
 from pipeline.plan.code_digest import code_digests
@@ -100,7 +100,7 @@ def test_everything_damaged_is_made_again_and_nothing_else(
     assert main(["verify", "--store", str(store.root)]) == DAMAGED
     assert nursery.call(mine, undisturbed.again(tmp_path), tmp_path / "log") == 0
     assert sorted(begun(tmp_path / "log")) == [stage for stage, _ in hurt]
-    assert digests(tmp_path) == undisturbed.tables and main(["verify", "--store", str(store.root)]) == OK
+    assert digests(tmp_path) == undisturbed.tables and main(["verify", "--store", str(store.root)]) == CLEAN
 
 
 @pytest.mark.chaos
@@ -125,7 +125,7 @@ def test_the_clock_does_not_matter(shift: float, nursery: Nursery, undisturbed: 
         os.utime(path, (when, when))
     assert nursery.call(mine, undisturbed.again(tmp_path), tmp_path / "log") == 0
     assert begun(tmp_path / "log") == [] and digests(tmp_path) == undisturbed.tables
-    assert main(["gc", "--store", str(store.root), "--outputs", str(tmp_path / "outputs")]) == OK
+    assert main(["gc", "--store", str(store.root), "--outputs", str(tmp_path / "outputs")]) == CLEAN
     assert not list(store.root.rglob(".tmp-*")) and committed(store) == undisturbed.artifacts
 
 
@@ -155,8 +155,8 @@ def test_a_store_in_use_is_not_tidied(
     gc = ["gc", "--store", str(store.root), "--outputs", str(tmp_path / "outputs")]
     with store.files.shared(), store.files.shared():
         assert main(gc) == 2 and "a run is using it" in capsys.readouterr().out
-        assert main([*gc, "--dry-run"]) == OK
-    assert main(gc) == OK
+        assert main([*gc, "--dry-run"]) == CLEAN
+    assert main(gc) == CLEAN
 
 
 def test_a_store_that_cannot_be_written_is_said_before_anything_is_done(

@@ -24,7 +24,7 @@ from PIL import ImageFile
 from rich.console import Console
 
 import pipeline.runtime.execute
-from pipeline.cli.cache import OK, main
+from pipeline.cli.cache import CLEAN, main
 from pipeline.config.schema import ClusterConfig, Config
 from pipeline.errors import StorageError
 from pipeline.exit_codes import FAILED
@@ -85,7 +85,7 @@ def tidy(undisturbed: Undisturbed, where: Path) -> None:
     """Nothing differs from the undisturbed run, and nothing else is left."""
     assert digests(where) == undisturbed.tables
     store = Store(where / "store")
-    assert main(["gc", "--store", str(store.root), "--outputs", str(where / "outputs")]) == OK
+    assert main(["gc", "--store", str(store.root), "--outputs", str(where / "outputs")]) == CLEAN
     assert committed(store) == undisturbed.artifacts
     assert {file.name for file in store.root.rglob("*") if file.is_file()} == {"payload.bin", "manifest.json"}
     assert not list((where / "outputs").rglob(".tmp-*"))

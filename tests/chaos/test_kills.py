@@ -26,7 +26,7 @@ from chaos.victims import (
 )
 from integration.small_runs import digests
 
-from pipeline.cli.cache import OK, main
+from pipeline.cli.cache import CLEAN, main
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import State, Store
@@ -93,7 +93,7 @@ def survive(
             done = whole
         counts["runs"] += 1
         assert digests(where) == undisturbed.tables and done == undisturbed.artifacts
-        assert main(["gc", "--store", str(config.store), "--outputs", str(config.outputs)]) == OK
+        assert main(["gc", "--store", str(config.store), "--outputs", str(config.outputs)]) == CLEAN
         assert committed(store) == undisturbed.artifacts
         names = {file.name for file in config.store.rglob("*") if file.is_file()}
         assert names == {"payload.bin", "manifest.json"}

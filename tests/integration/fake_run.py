@@ -47,19 +47,19 @@ def transforms(count=4):
     ]
 
 
-def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40, approximate=(), fabrications=None):
+def write_fake_run(folder, exact=None, rejected=2, errors=3, shapes=40, approximate=(), fabrications=None):
     """Write a run's folder as the pipeline does; returns the transforms in order of rank.
 
     The first `COMPARED` are compared with invented ones by the paper's method; ``approximate`` ones are listed after.
     """
-    made = transforms() if made is None else made
+    exact = transforms() if exact is None else exact
     rng = np.random.default_rng(7)
     (folder / "transforms").mkdir(parents=True)
-    made = sorted(made, key=lambda one: -measure_deformation(one).iou)
-    rows = [_certified(folder, rank, transform) for rank, transform in enumerate(made, start=1)]
+    exact = sorted(exact, key=lambda transform: -measure_deformation(transform).iou)
+    rows = [_certified(folder, rank, transform) for rank, transform in enumerate(exact, start=1)]
     rows += [
         _certified(folder, rank, transform) | {"status": "approximate", "reason": "method", "message": "not exact"}
-        for rank, transform in enumerate(approximate, start=len(made) + 1)
+        for rank, transform in enumerate(approximate, start=len(exact) + 1)
     ]
     rows += [_rejected(len(rows) + k + 1) for k in range(rejected)]
     pairs = [(i, j) for i in range(shapes) for j in range(i + 1, shapes)]
@@ -95,7 +95,7 @@ def write_fake_run(folder, made=None, rejected=2, errors=3, shapes=40, approxima
         "config": {"crs": {"lines": 128}, "dataset": {"root": "<nowhere>", "roots": ["a", "b"], "limit": None}},
     }
     (folder / "run.json").write_text(json.dumps(facts), encoding="utf-8")
-    return made
+    return exact
 
 
 def write_table(folder, name, rows):
@@ -114,8 +114,12 @@ def _certified(folder, rank, transform):
     row = {"status": "certified", "reason": "", "message": "", "file": file, "n": len(transform)}
     row |= {name: getattr(deformation, name) for name in ("iou", "iou_p", "iou_q", "hausdorff_p", "hausdorff_q")}
     row |= {name: getattr(deformation, name) for name in ("mean_distance_p", "mean_distance_q")}
-    for side, of in (("p", certificate.p), ("q", certificate.q)):
-        row |= {f"overlap_{side}": of.overlap, f"gap_{side}": of.gap, f"hinge_{side}": of.hinge}
+    for side, certified_side in (("p", certificate.p), ("q", certificate.q)):
+        row |= {
+            f"overlap_{side}": certified_side.overlap,
+            f"gap_{side}": certified_side.gap,
+            f"hinge_{side}": certified_side.hinge,
+        }
     row |= {"bound_p": transform.bound_p, "bound_q": transform.bound_q, "change_ratio": 1.0 + 0.01 * rank}
     row |= {"bending_p": 1.25, "bending_q": 0.75, "direction_p": math.radians(1.5), "direction_q": math.radians(2.5)}
     if rank <= COMPARED:
@@ -125,8 +129,14 @@ def _certified(folder, rank, transform):
 
 
 def _rejected(rank):
-    said = {"status": "rejected", "reason": "disconnected", "message": "cell 2 of <T> falls apart", "file": "", "n": 4}
-    return said | _pair(rank, f"frog & {rank}", "newt")
+    common = {
+        "status": "rejected",
+        "reason": "disconnected",
+        "message": "cell 2 of <T> falls apart",
+        "file": "",
+        "n": 4,
+    }
+    return common | _pair(rank, f"frog & {rank}", "newt")
 
 
 def _pair(rank, p, q):
@@ -136,8 +146,8 @@ def _pair(rank, p, q):
 
 
 def _error(k):
-    said = {"stage": "ingest", "key": "ab12", "type": "SilhouetteError", "reason": "one-colour", "attempts": 1}
-    return said | {"item": f"bad <{k}>", "message": f"bad & <{k}>.png holds one colour; draw something"}
+    common = {"stage": "ingest", "key": "ab12", "type": "SilhouetteError", "reason": "one-colour", "attempts": 1}
+    return common | {"item": f"bad <{k}>", "message": f"bad & <{k}>.png holds one colour; draw something"}
 
 
 def _timing(k, name):

@@ -19,8 +19,8 @@ class Block:
 def blocks(path: Path, *languages: str) -> list[Block]:
     """The blocks of a file in order, of these languages if any are named."""
     text = path.read_text(encoding="utf-8")
-    found = [
+    fenced_blocks = [
         Block(match[1], match[2], text.count("\n", 0, match.start(2)) + 1)
         for match in re.finditer(r"^```(\w*)\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
     ]
-    return [block for block in found if not languages or block.language in languages]
+    return [block for block in fenced_blocks if not languages or block.language in languages]

@@ -38,7 +38,7 @@ def given_run(folder: Path, shapes: Sequence[Shape], classes: int) -> GivenRun:
     config = make_config({"dataset": {"name": "sample", "kind": "sample"}})
     store = cast(Any, None)  # it is asked for shapes alone
     scores = [reversibility(shape) for shape in shapes]
-    columns = {name: [getattr(one, name) for one in scores] for name in ("score", "s1", "s2")}
+    columns = {name: [getattr(score, name) for score in scores] for name in ("score", "s1", "s2")}
     pq.write_table(pa.table(columns), folder / "reversibility.parquet")
     pq.write_table(pa.table({"trunks": [9] * count}), folder / "shapes.parquet")
     return GivenRun(MinedRun(folder, "given", config, store, names, kinds, names, (), np.arange(count)), tuple(shapes))

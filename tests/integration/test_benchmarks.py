@@ -103,9 +103,9 @@ def test_a_collection_grows_and_is_measured_at_every_size(tmp_path: Path) -> Non
         *("--json", str(figures), "--plot", str(plot)),
     )
     assert done.returncode == 0, done.stderr
-    found = json.loads(figures.read_text(encoding="utf-8"))
-    assert found["refused"] == 0
-    costs = [(cost["way"], cost["shapes"], cost["pairs"], cost["pairs_scored"]) for cost in found["costs"]]
+    measured = json.loads(figures.read_text(encoding="utf-8"))
+    assert measured["refused"] == 0
+    costs = [(cost["way"], cost["shapes"], cost["pairs"], cost["pairs_scored"]) for cost in measured["costs"]]
     # 8 and 12 shapes are 3 and 6 blocks, fewer than an estimate rests on: all run.
     assert costs == [
         ("all pairs", 8, 28, 28),
@@ -115,5 +115,5 @@ def test_a_collection_grows_and_is_measured_at_every_size(tmp_path: Path) -> Non
         ("top 10", 12, 66, 132),
         ("one more shape", 12, 12, 12),
     ]
-    assert not any(cost["estimated"] for cost in found["costs"])
+    assert not any(cost["estimated"] for cost in measured["costs"])
     assert plot.read_text(encoding="utf-8").startswith("<?xml")

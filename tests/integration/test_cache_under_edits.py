@@ -11,7 +11,7 @@ import pytest
 from edited_project import ALL, OF_EACH_KIND, Edit, Project, finished_once
 
 import pipeline.stages.shards
-from pipeline.cli.cache import OK, damaged, main, stale, usage
+from pipeline.cli.cache import CLEAN, damaged, main, stale, usage
 from pipeline.plan.work_item import Reference, WorkItem
 
 __all__ = ["finished_once"]
@@ -54,10 +54,10 @@ def test_what_is_counted_kept_and_deleted(project: Project, edit: Edit) -> None:
     assert found.keys() == ALL and all(one.size == bytes_on_disk(edited, name) for name, one in found.items())
     assert Counter(name for name, _ in expected) == +Counter({name: one.stale for name, one in found.items()})
     assert {name for name, one in found.items() if one.stale_size} == {name for name, _ in expected}
-    assert call(edited, "verify") == OK
+    assert call(edited, "verify") == CLEAN
     # gc: the finished run needs all that it made; what is stale goes only if that is wanted.
-    assert call(edited, "gc") == OK and held(edited) == before
-    assert call(edited, "gc", "--stale", "--dry-run") == OK and held(edited) == before
+    assert call(edited, "gc") == CLEAN and held(edited) == before
+    assert call(edited, "gc", "--stale", "--dry-run") == CLEAN and held(edited) == before
     again = references(edited.finish())
     if edit.of_code:
         assert {stage for stage, _ in again} == edit.again and len(again) == len(expected)
@@ -66,7 +66,7 @@ def test_what_is_counted_kept_and_deleted(project: Project, edit: Edit) -> None:
     needed = references(standing)
     assert again <= needed <= before | again
     edited.record(standing)
-    assert call(edited, "gc") == OK and held(edited) == needed
+    assert call(edited, "gc") == CLEAN and held(edited) == needed
     assert not edited.missing() and not damaged(edited.store) and not stale(edited.store)
 
 
@@ -74,7 +74,7 @@ def test_what_is_counted_kept_and_deleted(project: Project, edit: Edit) -> None:
 def test_a_run_makes_again_exactly_what_was_deleted_as_stale(project: Project, edit: Edit) -> None:
     before = held(project)
     edited = edit.do(project)
-    assert call(edited, "gc", "--stale") == OK
+    assert call(edited, "gc", "--stale") == CLEAN
     gone = before - held(edited)
     assert gone == {one for one in before if one[0] in edit.again}
     again = references(edited.finish())
@@ -86,22 +86,22 @@ def test_accept_makes_stale_items_current_and_nothing_else(project: Project, edi
     before = held(project)
     edited = edit.do(project)
     left = set[Reference]() if edit.of_code else references(edited.missing())
-    assert call(edited, "accept") == OK
+    assert call(edited, "accept") == CLEAN
     assert references(edited.missing()) == left
     accepted = held(edited) - before
     assert before <= held(edited) and {stage for stage, _ in accepted} == (edit.again if edit.of_code else set())
     for stage, key in accepted:
         assert edited.store.get(stage, key).document["of"][0] == stage
     assert stale(edited.store) == {one for one in before if edit.of_code and one[0] in edit.again}
-    assert call(edited, "verify") == OK
-    assert call(edited, "accept") == OK and held(edited) == before | accepted
+    assert call(edited, "verify") == CLEAN
+    assert call(edited, "accept") == CLEAN and held(edited) == before | accepted
 
 
 def test_accept_keeps_another_edit_s_work_to_do(project: Project) -> None:
     """Code that was edited without effect, and a parameter: what reads the parameter is done again."""
     edited = project.configured(lambda c: replace(c, qcrs=replace(c.qcrs, sigma_e=0.2)))
     edited = edited.edit("riot.geometry.polyline", "def signed_area(", "def other_area(")
-    assert call(edited, "accept") == OK
+    assert call(edited, "accept") == CLEAN
     assert {stage for stage, _ in references(edited.missing())} == {"qcrs", "select"}
 
 
@@ -113,5 +113,5 @@ def test_accept_with_topk_redoes_nothing(tmp_path: Path, monkeypatch: pytest.Mon
     assert len({key for stage, key in held(project) if stage == "shards"}) > 1
     project.edit("riot.geometry.polyline", "def signed_area(", "def other_area(")
     assert project.missing()
-    assert call(project, "accept") == OK
+    assert call(project, "accept") == CLEAN
     assert not project.missing()

@@ -100,7 +100,7 @@ def test_every_page_is_listed_once():
 
 @pytest.mark.parametrize("path", ["README.md", *(f"docs/{page}" for page in (*PAGES, "howto/cluster.md"))])
 def test_runs_have_known_parameters(path):
-    lines = [part.strip() for block in blocks(ROOT / path, "sh") for part in re.split(r"\n|&&", block.text)]
+    lines = [line.strip() for block in blocks(ROOT / path, "sh") for line in re.split(r"\n|&&", block.text)]
     for line in lines:
         arguments = shlex.split(line, comments=True)
         if arguments[:3] == ["python", "-m", "pipeline.run"]:

@@ -17,11 +17,11 @@ def shapes(pair: ExactPair) -> tuple[Shape, Shape]:
     return Shape.from_polygon(pair.p, "P"), Shape.from_polygon(pair.q, "Q")
 
 
-def farthest(found: FloatArray, expected: FloatArray) -> float:
+def farthest(corners: FloatArray, expected: FloatArray) -> float:
     """Greatest distance of corresponding vertices, at the best of the cyclic starts."""
     return (
-        min(float(np.hypot(*(np.roll(found, k, axis=0) - expected).T).max()) for k in range(len(expected)))
-        if found.shape == expected.shape
+        min(float(np.hypot(*(np.roll(corners, k, axis=0) - expected).T).max()) for k in range(len(expected)))
+        if corners.shape == expected.shape
         else float("inf")
     )
 
@@ -30,28 +30,28 @@ def farthest(found: FloatArray, expected: FloatArray) -> float:
 def test_quick_score_finds_the_trunks(n: int, seed: int) -> None:
     pair = exact_pair(n, seed)
     p, q = shapes(pair)
-    found = qcrs(p, q)
-    assert found.score > 0.99
-    assert farthest(p.points[found.trunk_a], pair.trunk_p) < 0.06
-    assert farthest(q.points[found.trunk_b], pair.trunk_q) < 0.06
+    score = qcrs(p, q)
+    assert score.score > 0.99
+    assert farthest(p.points[score.trunk_a], pair.trunk_p) < 0.06
+    assert farthest(q.points[score.trunk_b], pair.trunk_q) < 0.06
 
 
 @pytest.mark.parametrize(("n", "seed"), [(3, 0), (4, 1), (5, 2), (6, 3)])
 def test_cross_score_and_construction_come_near(n: int, seed: int) -> None:
     p, q = shapes(exact_pair(n, seed))
     assert crs(p, q).score > 0.97
-    made = construct(p, q)
-    assert made.certificate().passed
-    assert made.deformation().iou > 0.97
+    transform = construct(p, q)
+    assert transform.certificate().passed
+    assert transform.deformation().iou > 0.97
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_construction_on_the_true_trunks_is_almost_exact(seed: int) -> None:
     pair = exact_pair(3 + seed, seed)
     p, q = shapes(pair)
-    made = construct(p, q, trunks=(pair.trunk_p, pair.trunk_q))
-    assert made.certificate().passed
-    assert made.deformation().iou > 0.999
+    transform = construct(p, q, trunks=(pair.trunk_p, pair.trunk_q))
+    assert transform.certificate().passed
+    assert transform.deformation().iou > 0.999
 
 
 def picture(polygon: FloatArray, side: int = 256) -> Shape:
@@ -68,16 +68,16 @@ def test_pictures_of_an_exact_pair_come_back_on_its_trunks(n: int) -> None:
     outlines, pictures = shapes(pair), (picture(pair.p), picture(pair.q))
     # Both frames are the same but for the pixels.
     trunks = outlines[0].from_source(pair.trunk_p), outlines[1].from_source(pair.trunk_q)
-    made = construct(*pictures, trunks=trunks)
-    assert made.certificate().passed
-    assert min(made.overlap_ratios) > 0.985
+    transform = construct(*pictures, trunks=trunks)
+    assert transform.certificate().passed
+    assert min(transform.overlap_ratios) > 0.985
     kept = construct(*pictures, trunks=trunks, refinement=RefineParameters(sketched=0, refined=0))
-    assert min(made.overlap_ratios) >= min(kept.overlap_ratios) - 0.001
+    assert min(transform.overlap_ratios) >= min(kept.overlap_ratios) - 0.001
 
 
 def test_dudeney_is_constructed_from_its_trunks() -> None:
     pair = dudeney()
     p, q = shapes(pair)
-    made = construct(p, q, trunks=(pair.trunk_p, pair.trunk_q))
-    assert made.certificate().passed
-    assert made.deformation().iou > 0.98
+    transform = construct(p, q, trunks=(pair.trunk_p, pair.trunk_q))
+    assert transform.certificate().passed
+    assert transform.deformation().iou > 0.98

@@ -202,10 +202,10 @@ def test_any_damage_of_an_archive_is_told_as_one(server: Server, manifest: Path,
         for member, data in good().items():
             archive.writestr(member, data)
     whole = path.read_bytes()
-    for at in range(0, len(whole), 29):
-        path.write_bytes(whole[:at] + bytes([whole[at] ^ 255]) + whole[at + 1 :])
+    for position in range(0, len(whole), 29):
+        path.write_bytes(whole[:position] + bytes([whole[position] ^ 255]) + whole[position + 1 :])
         try:
-            fetch.fetch(tmp_path / f"set-{at}", [server.url("packed.zip")], manifest)
+            fetch.fetch(tmp_path / f"set-{position}", [server.url("packed.zip")], manifest)
         except DatasetError as error:
             assert ";" in str(error)
 

@@ -28,11 +28,11 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("outputs") / "fake"
     folder.mkdir()
-    made = fake_run.transforms()
+    transforms = fake_run.transforms()
     history = History(
         "riot make", ("ab" * 32, "cd" * 32), (HistoryStep("trunks", {"spacing": 15.0}, "ef" * 32),), {"numpy": "2"}
     )
-    made[0] = replace(made[0], history=history)
+    transforms[0] = replace(transforms[0], history=history)
     names = {"name_i": "a", "name_j": "b", "class_i": "", "class_j": ""}
     puzzle = names | {
         "rank": 1,
@@ -43,7 +43,7 @@ def run(tmp_path_factory):
         "message": "",
     }
     refused = names | {"rank": 2, "status": "refused", "folder": "", "message": "the neck of piece 2 is <thin>"}
-    fake_run.write_fake_run(folder, made=made, fabrications=[puzzle, refused])
+    fake_run.write_fake_run(folder, exact=transforms, fabrications=[puzzle, refused])
     (folder / "print" / "0001").mkdir(parents=True)
     write_contents(folder)
     write_report(folder)
@@ -53,7 +53,7 @@ def run(tmp_path_factory):
 @pytest.fixture(scope="module")
 def rows(run):
     """A thousand rows of transforms that are not there."""
-    rng, known = np.random.default_rng(5), read_run(run).made
+    rng, known = np.random.default_rng(5), read_run(run).constructed
     return [
         replace(
             known[k % len(known)],
@@ -82,14 +82,14 @@ def many(rows, run, tmp_path_factory):
     pictures = sorted((run / GALLERY).glob("*.svg"))
     for k, row in enumerate(rows):
         shutil.copy(pictures[k % len(pictures)], folder / row.thumb)
-    single = (run / GALLERY / read_run(run).made[0].page).read_text(encoding="utf-8")
+    single = (run / GALLERY / read_run(run).constructed[0].page).read_text(encoding="utf-8")
     (folder / rows[0].page).write_text(single, encoding="utf-8")
     return folder
 
 
 def test_every_link_and_picture_is_there(run):
     pages = sorted((run / GALLERY).glob("*.html"))
-    assert len(pages) == 1 + len(read_run(run).made)
+    assert len(pages) == 1 + len(read_run(run).constructed)
     for page in [*pages, run / "report.html"]:
         parsed = Page(page.read_text(encoding="utf-8"))
         assert not parsed.stack
@@ -107,28 +107,28 @@ def test_every_link_and_picture_is_there(run):
 
 def test_is_a_plain_list_without_script(run):
     parsed = Page((run / GALLERY / INDEX).read_text(encoding="utf-8"))
-    made = read_run(run).made
+    rows = read_run(run).constructed
     (form,) = parsed.all("form")
     assert "hidden" in form  # until the script shows it
-    names = [row.page for row in made]
+    names = [row.page for row in rows]
     assert [attrs["href"] for attrs in parsed.all("a") if attrs["href"].startswith("0")] == names
     pictures = parsed.all("img")
-    assert [attrs["src"] for attrs in pictures] == [row.thumb for row in made]
+    assert [attrs["src"] for attrs in pictures] == [row.thumb for row in rows]
     assert all(attrs["loading"] == "lazy" and attrs["alt"] and attrs["width"] for attrs in pictures)
     shown = "".join(parsed.text)
-    for row in made:
+    for row in rows:
         assert f"{row.name_p} ⇄ {row.name_q}".translate({1: "�", 127: "�"}) in shown and f"IoU {row.iou:.3f}" in shown
 
 
 def test_a_page_tells_all_of_its_transform(run):
-    made = read_run(run).made
-    texts = [(run / GALLERY / row.page).read_text(encoding="utf-8") for row in made]
+    rows = read_run(run).constructed
+    texts = [(run / GALLERY / row.page).read_text(encoding="utf-8") for row in rows]
     first, second, last = Page(texts[0]), Page(texts[1]), Page(texts[-1])
     rels = [[attrs.get("rel") for attrs in page.all("a") if "rel" in attrs] for page in (first, second, last)]
     assert rels == [["up", "next"], ["prev", "up", "next"], ["prev", "up"]]
     assert sum("picture P: sha256 " + "ab" * 32 in text for text in texts) == 1
     assert {"href": "../print/0001/"} in first.all("a") and "the neck of piece 2 is <thin>" in "".join(second.text)
-    for row, text in zip(made, texts, strict=True):
+    for row, text in zip(rows, texts, strict=True):
         shown = "".join(Page(text).text)
         assert f"{row.crs:.3f}" in shown and "open hinge" in shown and {"href": f"../{row.file}"} in Page(text).all("a")
         assert text.count("<animateTransform") >= 2 * row.n
@@ -146,14 +146,14 @@ def test_is_the_same_every_time_and_everywhere(run, tmp_path):
 def test_an_older_gallery_is_replaced_and_lost_transforms_are_not_in_it(run, tmp_path):
     folder = tmp_path / "run"
     shutil.copytree(run, folder)
-    made = read_run(folder).made
-    (folder / made[1].file).unlink()
+    rows = read_run(folder).constructed
+    (folder / rows[1].file).unlink()
     write_report(folder)
     names = {file.name for file in (folder / GALLERY).iterdir()}
-    kept = [row for row in made if row.rank != 2]
+    kept = [row for row in rows if row.rank != 2]
     assert names == {INDEX, STYLE, SCRIPT, *(row.page for row in kept), *(row.thumb for row in kept)}
-    page = Page((folder / GALLERY / made[0].page).read_text(encoding="utf-8"))
-    assert [one["href"] for one in page.all("a") if one.get("rel") == "next"] == [made[2].page]
+    page = Page((folder / GALLERY / rows[0].page).read_text(encoding="utf-8"))
+    assert [link["href"] for link in page.all("a") if link.get("rel") == "next"] == [rows[2].page]
 
 
 def test_a_small_picture_shows_both_shapes_at_one_scale_in_light_and_dark():
@@ -175,10 +175,10 @@ def test_the_report_shows_the_best_and_leads_to_the_others(run, tmp_path, monkey
     folder = tmp_path / "run"
     shutil.copytree(run, folder)
     text = write_report(folder).read_text(encoding="utf-8")
-    made = read_run(folder).made
+    rows = read_run(folder).constructed
     assert len(re.findall('<article class="card"', text)) == 2
     links = [attrs["href"] for attrs in Page(text).all("a")]
-    assert "#t2" in links and "#t3" not in links and f"{GALLERY}/{made[2].page}" in links
+    assert "#t2" in links and "#t3" not in links and f"{GALLERY}/{rows[2].page}" in links
     assert f"{GALLERY}/{INDEX}" in links
 
 
@@ -201,9 +201,9 @@ def browser():
     if CHROMIUM is None:
         pytest.skip("there is no Chromium on this machine")
     with api.sync_playwright() as started:
-        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"], timeout=0)
-        yield found
-        found.close()
+        launched = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"], timeout=0)
+        yield launched
+        launched.close()
 
 
 READY = "domcontentloaded"
@@ -231,10 +231,10 @@ def tab(browser, many):
 
 def visible(tab):
     """Ranks of what is shown, in order."""
-    places = tab.eval_on_selector_all(
+    positions = tab.eval_on_selector_all(
         ".grid li", "all => all.filter(one => !one.hidden).map(one => one.dataset.v.split(' ')[0])"
     )
-    return [int(place) for place in places]
+    return [int(position) for position in positions]
 
 
 def chosen(rows, passes):
@@ -249,13 +249,13 @@ def test_filters_show_what_passes_all_of_them(tab, rows):
     tab.check("[name=flat]")
     tab.select_option("[name=n]", "5")
     tab.fill("[name=iou]", "0.9")
-    found = chosen(
+    passing = chosen(
         rows, lambda row: "class & 3" in row.classes and row.swings_flat and row.n == 5 and round(row.iou, 5) >= 0.9
     )
-    assert visible(tab) == found and 0 < len(found) < MANY
-    assert tab.inner_text(".shown") == f"{len(found)} of {MANY} transforms"
+    assert visible(tab) == passing and 0 < len(passing) < MANY
+    assert tab.inner_text(".shown") == f"{len(passing)} of {MANY} transforms"
     tab.reload(wait_until=READY)  # what was chosen is in the address
-    assert visible(tab) == found
+    assert visible(tab) == passing
     tab.click("[type=reset]")
     tab.check("[name=puzzle]")
     assert visible(tab) == [2, 9]
@@ -273,19 +273,19 @@ def test_sorts_by_any_score_the_best_first_and_what_has_none_last(tab, rows):
         tab.select_option("[name=sort]", order)
         for back in (turn % 2 == 1, turn % 2 == 0):  # as the order before left it, then the other way
             tab.set_checked("[name=reverse]", back)
-            found = sorted(rows, key=lambda row: key(row, value, -sign if back else sign))
-            assert visible(tab) == [row.rank for row in found], (order, back)
+            ordered = sorted(rows, key=lambda row: key(row, value, -sign if back else sign))
+            assert visible(tab) == [row.rank for row in ordered], (order, back)
 
 
 def test_keys_lead_through_the_gallery(tab, rows, many):
     focused = "document.activeElement.parentElement.dataset.v?.split(' ')[0]"
     tab.keyboard.press("/")
     tab.keyboard.type("2 class")
-    found = visible(tab)
-    assert found == chosen(rows, lambda row: "2" in f"{row.name_p} {row.name_q} {row.class_p} {row.class_q}")
+    shown = visible(tab)
+    assert shown == chosen(rows, lambda row: "2" in f"{row.name_p} {row.name_q} {row.class_p} {row.class_q}")
     tab.keyboard.press("Enter")
-    assert tab.evaluate(focused) == str(found[0])
-    for press, place in (
+    assert tab.evaluate(focused) == str(shown[0])
+    for press, number in (
         ("ArrowRight", 1),
         ("ArrowDown", 3),
         ("ArrowLeft", 2),
@@ -294,8 +294,8 @@ def test_keys_lead_through_the_gallery(tab, rows, many):
         ("Home", 0),
     ):
         tab.keyboard.press(press)  # two in a row at this width
-        assert tab.evaluate(focused) == str(found[place]), press
-    opened = rows[found[0] - 1].page
+        assert tab.evaluate(focused) == str(shown[number]), press
+    opened = rows[shown[0] - 1].page
     shutil.copy(many / rows[0].page, many / opened)
     tab.keyboard.press("Enter")
     tab.wait_for_url(f"**/{opened}", wait_until=READY)

@@ -25,16 +25,16 @@ def test_both_methods_are_compared_on_the_trunks_of_a_run(tmp_path: Path) -> Non
         save(exact_transform(exact_pair(4, seed)), tmp_path / f"{seed}.riot")
     done = run("--transforms", str(tmp_path), "--pairs", "2", "--json", str(tmp_path / "figures.json"))
     assert done.returncode == 0, done.stderr
-    found = json.loads((tmp_path / "figures.json").read_text(encoding="utf-8"))
-    assert (found["format"], found["source"], len(found["pairs"])) == (1, "transforms", 2)
-    for pair in found["pairs"]:
+    measured = json.loads((tmp_path / "figures.json").read_text(encoding="utf-8"))
+    assert (measured["format"], measured["source"], len(measured["pairs"])) == (1, "transforms", 2)
+    for pair in measured["pairs"]:
         assert list(pair["ways"]) == ["paper", "exact", "exact, refined"]
         for way, figures in pair["ways"].items():
             assert figures["iou"] > 0.99, way
             left = figures["gaps"] + figures["overlaps"] + figures["outside"]
             assert left < (2e-3 if way == "paper" else 1e-9), way
             assert figures["certified"] or way == "paper"
-    for way, quantiles in found["quantiles"].items():
+    for way, quantiles in measured["quantiles"].items():
         assert quantiles["iou"]["worst"] <= quantiles["iou"]["median"], way
         assert quantiles["gaps"]["median"] <= quantiles["gaps"]["worst"], way
         assert way.split(",")[0] in done.stdout

@@ -45,8 +45,8 @@ def copy(mined: Path, tmp_path: Path) -> Path:
 
 def matched(capsys: pytest.CaptureFixture[str], where: Path, picture: Path, *more: str) -> tuple[int, str, str]:
     code = main(["match", str(picture), "--in", str(where / "outputs" / "folder"), *more])
-    said = capsys.readouterr()
-    return code, said.out, said.err
+    printed = capsys.readouterr()
+    return code, printed.out, printed.err
 
 
 def refused(capsys: pytest.CaptureFixture[str], where: Path, picture: Path, *more: str) -> str:
@@ -181,15 +181,15 @@ def test_a_run_mined_otherwise_than_here_is_refused(copy: Path, capsys: pytest.C
 
 def test_a_store_that_is_gone_or_altered_is_refused(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
     picture, store = copy / "pictures" / "kind1-1.png", copy / "store"
-    given = ("--store", str(store))
+    options = ("--store", str(store))
     shutil.rmtree(store / "index", ignore_errors=True)
     payload = max((store / "trunks").rglob("payload.bin"), key=lambda path: path.stat().st_size)  # read by any search
     payload.write_bytes(payload.read_bytes()[:-1] + b"\xff")
-    assert "gone or altered" in refused(capsys, copy, picture, *given)
+    assert "gone or altered" in refused(capsys, copy, picture, *options)
     shutil.rmtree(payload.parent)
-    assert "is gone; give --store DIR" in refused(capsys, copy, picture, *given)
+    assert "is gone; give --store DIR" in refused(capsys, copy, picture, *options)
     shutil.rmtree(store)
-    assert f"{store}: the store of" in refused(capsys, copy, picture, *given)
+    assert f"{store}: the store of" in refused(capsys, copy, picture, *options)
     (copy / "outputs" / "folder" / "shapes.parquet").write_bytes(b"")
     assert "shapes.parquet: altered" in refused(capsys, copy, picture)
 
@@ -207,23 +207,26 @@ def test_the_store_is_found_from_anywhere(
 def test_slices_look_for_the_same_partners(mined: Path, tmp_path: Path) -> None:
     draw(tmp_path / "new.png", 20)
     opened = open_mined(mined / "outputs" / "folder")
-    found = shortlists(opened, [read(tmp_path / "new.png"), read(tmp_path / "new.png")], 3)
+    lists = shortlists(opened, [read(tmp_path / "new.png"), read(tmp_path / "new.png")], 3)
     expected = [(name, score) for name, _, score, *_ in plain(mined, tmp_path / "new.png")[:3]]
-    assert [[(each.shape.name, each.qcrs) for each in one] for one in found] == [expected, expected]
-    for each in found[0]:
-        again = read(mined / "pictures" / f"{each.shape.name}.png", opened.config.shape)
-        assert np.array_equal(each.shape.points, again.points)
+    assert [[(candidate.shape.name, candidate.qcrs) for candidate in candidates] for candidates in lists] == [
+        expected,
+        expected,
+    ]
+    for candidate in lists[0]:
+        again = read(mined / "pictures" / f"{candidate.shape.name}.png", opened.config.shape)
+        assert np.array_equal(candidate.shape.points, again.points)
 
 
 def test_slices_become_shapes_of_a_run(mined: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     solid = manifold3d.Manifold.cylinder(40.0, 30.0, 24.0, 40).scale((1.3, 1.0, 1.0)).to_mesh64()
     trimesh.Trimesh(solid.vert_properties[:, :3], solid.tri_verts.astype(np.int64)).export(tmp_path / "bowl.stl")
-    given = ["slices", str(tmp_path / "bowl.stl"), "--count", "2", "--thickness", "20", "-o", str(tmp_path / "set")]
-    assert main([*given, "--in", str(mined / "outputs" / "folder"), "--candidates", "2"]) == FOUND
+    arguments = ["slices", str(tmp_path / "bowl.stl"), "--count", "2", "--thickness", "20", "-o", str(tmp_path / "set")]
+    assert main([*arguments, "--in", str(mined / "outputs" / "folder"), "--candidates", "2"]) == FOUND
     document = json.loads((tmp_path / "set" / "set.json").read_text(encoding="utf-8"))
     names = {row["name"] for row in table(mined, "shapes")}
     assert all(entry["certified"] and entry["counterpart"] in names for entry in document["slices"])
-    assert main([*given[:-1], str(tmp_path / "other")]) == BAD
+    assert main([*arguments[:-1], str(tmp_path / "other")]) == BAD
     assert "either as files (--into A.png,B.png) or as a run (--in RUN)" in capsys.readouterr().err
-    assert main([*given[:-1], str(tmp_path / "other"), "--in", str(tmp_path)]) == BAD
+    assert main([*arguments[:-1], str(tmp_path / "other"), "--in", str(tmp_path)]) == BAD
     assert "no finished run" in capsys.readouterr().err

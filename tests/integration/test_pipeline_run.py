@@ -72,10 +72,10 @@ def test_selected_pairs_are_the_best_and_become_transforms(finished: Path) -> No
     assert len(transforms) == 3
     # Constructed are the pairs whose trunks allow the least deformation; no shape stands in more than two.
     bounds = {(row["i"], row["j"]): row["bound"] for row in table(finished, "crs")}
-    made = {(row["i"], row["j"]) for row in transforms}
-    times = Counter(number for pair in made for number in pair)
-    least = min(bounds[pair] for pair in made)
-    for pair in bounds.keys() - made:
+    constructed = {(row["i"], row["j"]) for row in transforms}
+    times = Counter(number for pair in constructed for number in pair)
+    least = min(bounds[pair] for pair in constructed)
+    for pair in bounds.keys() - constructed:
         assert bounds[pair] <= least or max(times[number] for number in pair) == 2
     certified = [row for row in transforms if row["status"] == "certified"]
     assert all(row["change_ratio"] > 0.99 and row["paper_iou"] is None for row in certified)  # type: ignore[operator]
@@ -215,9 +215,9 @@ def test_an_interrupt_says_how_to_go_on(root: Path, tmp_path: Path) -> None:
             if line.startswith("ingest"):
                 break
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers too
-        _, said = process.communicate(timeout=120)
+        _, complaint = process.communicate(timeout=120)
     assert process.returncode == INTERRUPTED
-    assert "the same command goes on" in said and "Traceback" not in said
+    assert "the same command goes on" in complaint and "Traceback" not in complaint
 
 
 def test_bad_pictures_are_rows_and_the_run_goes_on(root: Path, tmp_path: Path) -> None:
@@ -272,8 +272,8 @@ def test_odd_shapes_are_shapes_and_those_without_trunks_are_counted(root: Path, 
     assert trunks.keys() == {"blobs-1", "kind0-0", "kind1-1", "needle-1", "spiral-1"}
     without = [name for name, count in trunks.items() if count == 0]
     assert "needle-1" in without and "kind0-0" not in without
-    said = f"{len(without)} shape" + (" has" if len(without) == 1 else "s have") + " no trunk"
-    assert said in done.stdout and said in (tmp_path / "outputs" / "folder" / "report.html").read_text()
+    sentence = f"{len(without)} shape" + (" has" if len(without) == 1 else "s have") + " no trunk"
+    assert sentence in done.stdout and sentence in (tmp_path / "outputs" / "folder" / "report.html").read_text()
     qcrs = pq.read_table(tmp_path / "outputs" / "folder" / "qcrs").to_pylist()
     needle_number = sorted(trunks).index("needle-1")
     lonely = [row for row in qcrs if needle_number in (row["i"], row["j"])]
@@ -330,8 +330,8 @@ def test_what_cannot_start_says_why_and_does_nothing(
     where.mkdir()
     monkeypatch.chdir(where)
     assert main([argument.format(empty=empty, file=file) for argument in arguments]) == BAD_START
-    said = capsys.readouterr().err
-    assert all(word in said for word in words) and "Traceback" not in said
+    complaint = capsys.readouterr().err
+    assert all(word in complaint for word in words) and "Traceback" not in complaint
     assert not (where / "store").exists() or not list((where / "store").rglob("*.bin"))
 
 

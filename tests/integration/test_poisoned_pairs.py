@@ -110,9 +110,9 @@ def clean_topk(planted: Planted, tmp_path_factory: pytest.TempPathFactory) -> Pa
 @pytest.fixture(scope="module")
 def areas(clean: Path) -> dict[float, int]:
     """Shape numbers by the area of the first trunk, by which the work on stacks of trunks knows them."""
-    found = {row["area"]: row["shape"] for row in table(clean, "trunks") if row["trunk"] == 0}
-    assert len(found) == len(table(clean, "shapes"))
-    return found
+    shape_of_area = {row["area"]: row["shape"] for row in table(clean, "trunks") if row["trunk"] == 0}
+    assert len(shape_of_area) == len(table(clean, "shapes"))
+    return shape_of_area
 
 
 def numbers(stack: Any, areas: dict[float, int]) -> list[int]:
@@ -130,20 +130,20 @@ def pairs_of(inputs: Sequence[Any], spec: Any, areas: dict[float, int]) -> set[t
 
 def payloads(where: Path) -> dict[Reference, str]:
     """Digests of everything in the store."""
-    return {(one.stage, one.key): one.digest for one in Store(where / "store").entries()}
+    return {(entry.stage, entry.key): entry.digest for entry in Store(where / "store").entries()}
 
 
 def tidied(where: Path) -> bool:
     """Delete what nobody needs from the store; whether that was anything."""
     before = payloads(where)
-    places = ("--store", str(where / "store"), "--outputs", str(where / "outputs"))
-    assert pipeline.cli.cache.main(["gc", "--stale", *places]) == pipeline.cli.cache.OK
+    locations = ("--store", str(where / "store"), "--outputs", str(where / "outputs"))
+    assert pipeline.cli.cache.main(["gc", "--stale", *locations]) == pipeline.cli.cache.CLEAN
     return payloads(where).keys() < before.keys()
 
 
 def scores(where: Path) -> pd.DataFrame:
-    found = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pandas()
-    return found.drop(columns="i_block").set_index(["i", "j"])
+    frame = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pandas()
+    return frame.drop(columns="i_block").set_index(["i", "j"])
 
 
 LOST = {"score": float("nan"), "n": -1, "trunk_i": -1, "trunk_j": -1, "shift": -1}

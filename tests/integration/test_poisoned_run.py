@@ -80,19 +80,19 @@ def test_what_is_deadly_is_lost_alone(clean: Path, tmp_path: Path) -> None:
     (tmp_path / "poison").mkdir()
     poison = POISON.format(crashing=areas("kind1-1", "kind1-5"), hanging=areas("kind0-0", "kind0-4"))
     (tmp_path / "poison" / "sitecustomize.py").write_text(poison)
-    found = filter(None, [os.environ.get("PYTHONPATH")])
+    paths = filter(None, [os.environ.get("PYTHONPATH")])
     done = subprocess.run(
         command(tmp_path, root, BATCHES, "cluster=local", "cluster.workers=1"),
         capture_output=True,
         text=True,
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path / "poison"), *found])},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path / "poison"), *paths])},
         timeout=240,
     )
     assert done.returncode == WITH_ERRORS, done.stdout + done.stderr
     errors = {row["item"]: row for row in table(tmp_path, "errors")}
-    told = ("stage", "type", "reason", "attempts")
-    assert {name: tuple(row[column] for column in told) for name, row in errors.items()} == {
+    columns = ("stage", "type", "reason", "attempts")
+    assert {name: tuple(row[column] for column in columns) for name, row in errors.items()} == {
         "kind1-poison-1": ("ingest", "ProcessLost", "quarantined", 2),
         "kind1-1 × kind1-5": ("qcrs", "ProcessLost", "quarantined", 2),
         "kind0-0 × kind0-4": ("qcrs", "TimeLimit", "time-limit", 1),

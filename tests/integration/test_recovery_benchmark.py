@@ -70,23 +70,23 @@ def run(script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 def test_hidden_pairs_and_where_their_trunks_are_lost() -> None:
     done = subprocess.run([sys.executable, "-c", PARTS, str(FOLDER)], capture_output=True, text=True, timeout=280)
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    printed = json.loads(done.stdout)
     # Wilson's interval of 9 in 10, as in any table; the ends stay within 0 … 1 and never shrink to a point.
-    assert told["wilson"] == pytest.approx([0.5958, 0.9821], abs=1e-4)
-    assert told["all"] == pytest.approx([0.8389, 1.0], abs=1e-4)
-    assert told["none"] == pytest.approx([0.0, 0.1611], abs=1e-4)
+    assert printed["wilson"] == pytest.approx([0.5958, 0.9821], abs=1e-4)
+    assert printed["all"] == pytest.approx([0.8389, 1.0], abs=1e-4)
+    assert printed["none"] == pytest.approx([0.0, 0.1611], abs=1e-4)
     # The true trunks lie on the outlines of the pictures, to about a pixel, and are still conjugate.
-    assert max(told["off"]) < 0.03
-    assert min(told["areas"]) > 0.0
-    assert max(told["edges"]) < 0.02
-    assert told["near"] == [""] * 8
-    assert (told["area"], told["congruency"]) == ("area", "congruency")
-    assert told["convex"] == "too few convex points for n"
-    assert told["changed"] == [0.07, 15.0, 64, 3]
+    assert max(printed["off"]) < 0.03
+    assert min(printed["areas"]) > 0.0
+    assert max(printed["edges"]) < 0.02
+    assert printed["near"] == [""] * 8
+    assert (printed["area"], printed["congruency"]) == ("area", "congruency")
+    assert printed["convex"] == "too few convex points for n"
+    assert printed["changed"] == [0.07, 15.0, 64, 3]
     # Other limits draw other pairs, and are put back; waves move the shapes a little.
-    assert told["other"]
-    assert told["restored"]
-    assert 0.002 < told["moved"] < 0.1
+    assert printed["other"]
+    assert printed["restored"]
+    assert 0.002 < printed["moved"] < 0.1
 
 
 @pytest.mark.system
@@ -96,26 +96,31 @@ def test_recovery_counts_every_hidden_shape(tmp_path: Path) -> None:
     more = ("--pairs", "2", "--pieces", "3,4", "--keep", "5", "--few", "2")
     done = run("recovery", "--root", str(root), *more, "--json", str(figures), "--draw", str(drawn))
     assert done.returncode == 0, done.stderr
-    told = json.loads(figures.read_text(encoding="utf-8"))
-    assert (told["format"], told["pairs"], told["shapes"], told["refused"]) == (1, 2, 10, 0)
-    assert [one["name"] for one in told["found"]] == ["hidden000-p", "hidden000-q", "hidden001-p", "hidden001-q"]
-    by_name = {row["name"]: row for row in told["figures"]}
+    written = json.loads(figures.read_text(encoding="utf-8"))
+    assert (written["format"], written["pairs"], written["shapes"], written["refused"]) == (1, 2, 10, 0)
+    assert [recovery["name"] for recovery in written["found"]] == [
+        "hidden000-p",
+        "hidden000-q",
+        "hidden001-p",
+        "hidden001-q",
+    ]
+    by_name = {row["name"]: row for row in written["figures"]}
     for name, row in by_name.items():
         assert row["of"] == (2 if name.startswith("IoU ≥") else 4), name
         assert 0 <= row["good"] <= row["of"]
         assert row["low"] <= row["good"] / row["of"] <= row["high"]
         assert sum(good for good, _ in row["by_n"].values()) == row["good"]
         assert name in done.stdout
-    for one in told["found"]:
-        assert one["cross_rank"] is not None
-        assert one["final_rank"] is None or one["cross_rank"] <= 2
-        assert (one["cause"] == "") == (one["final_rank"] == 1)
+    for recovery in written["found"]:
+        assert recovery["cross_rank"] is not None
+        assert recovery["final_rank"] is None or recovery["cross_rank"] <= 2
+        assert (recovery["cause"] == "") == (recovery["final_rank"] == 1)
     # Exact pairs among polygons at random: nothing else comes near.
     assert by_name["CRS: partner first"]["good"] == 4
     assert by_name["construction: partner first by IoU"]["good"] == 4
     assert by_name["IoU ≥ 0.999: polygons, trunks given"]["good"] == 2
     assert by_name["IoU ≥ 0.985: pictures, trunks found"]["good"] == 2
-    assert told["causes"] == {}
+    assert written["causes"] == {}
     assert {path.name for path in drawn.iterdir()} == {
         f"far-hidden00{k}{end}.png" for k in (0, 1) for end in ("", "-trunks")
     }
@@ -127,15 +132,15 @@ def test_intricate_shapes_are_searched_in_every_way_asked_for(tmp_path: Path) ->
     more = ("--classes", "kind0,kind2", "--each", "1", "--among", "6", "--ways", "0,3", "--json", str(figures))
     done = run("complex_shapes", "--root", str(root), *more)
     assert done.returncode == 0, done.stderr
-    told = json.loads(figures.read_text(encoding="utf-8"))
-    assert [way["way"] for way in told["ways"]] == ["default", "spacing 22"]
-    for way in told["ways"]:
-        assert [one["cls"] for one in way["shapes"]] == ["kind0", "kind2"]
-        for one in way["shapes"]:
-            assert one["partner"].rsplit("-", 1)[0] != one["cls"]
-            assert 3 <= one["n"] <= one["most"] <= one["convex"]
-            assert 0.5 < one["iou"] <= 1.0
-    coarse, fine = (np.array([one["quick"] for one in way["shapes"]]) for way in told["ways"])
+    written = json.loads(figures.read_text(encoding="utf-8"))
+    assert [way["way"] for way in written["ways"]] == ["default", "spacing 22"]
+    for way in written["ways"]:
+        assert [shape["cls"] for shape in way["shapes"]] == ["kind0", "kind2"]
+        for shape in way["shapes"]:
+            assert shape["partner"].rsplit("-", 1)[0] != shape["cls"]
+            assert 3 <= shape["n"] <= shape["most"] <= shape["convex"]
+            assert 0.5 < shape["iou"] <= 1.0
+    coarse, fine = (np.array([shape["quick"] for shape in way["shapes"]]) for way in written["ways"])
     assert (fine > coarse).all()  # denser boundary points give more trunks
     assert all(word in done.stdout for word in ("kind0", "kind2", "default", "spacing 22"))
 

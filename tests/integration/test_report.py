@@ -31,9 +31,9 @@ from riot.transform.deformation import measure_deformation
 def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("outputs") / "fake"
     folder.mkdir()
-    made = fake_run.write_fake_run(folder)
+    transforms = fake_run.write_fake_run(folder)
     write_contents(folder)
-    return folder, made, write_report(folder).read_text(encoding="utf-8")
+    return folder, transforms, write_report(folder).read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -84,38 +84,38 @@ def test_is_the_same_every_time_and_everywhere(run, tmp_path):
 
 
 def test_every_transform_has_its_pictures(run):
-    _, made, text = run
-    found = cards(text)
-    assert len(found) == len(made)
-    for one, transform in zip(found, made, strict=True):
+    _, transforms, text = run
+    shown = cards(text)
+    assert len(shown) == len(transforms)
+    for card, transform in zip(shown, transforms, strict=True):
         n = len(transform)
-        root = ET.fromstring(one)
+        root = ET.fromstring(card)
         pictures = root.findall(".//svg")
         assert len(pictures) == 8  # two inputs, two results, two dissections, the swing, the chain
         uses = [len(picture.findall(".//use")) for picture in pictures]
         assert sorted(uses) == [0, 0, 0, 0, n, n, n, 2 * n]  # the swing moves all pieces, and holds a still picture
         assert all(picture.find("title").text for picture in pictures)
-        assert len(one.encode()) < 60_000
+        assert len(card.encode()) < 60_000
 
 
 def test_a_piece_has_one_colour_on_the_whole_page(run, parsed):
-    _, made, text = run
-    for one, transform in zip(cards(text), made, strict=True):
+    _, transforms, text = run
+    for card, transform in zip(cards(text), transforms, strict=True):
         n = len(transform)
-        uses = [use.get("href") for use in ET.fromstring(one).iter("use")]
+        uses = [use.get("href") for use in ET.fromstring(card).iter("use")]
         (prefix,) = {use.rsplit("-", 1)[0] for use in uses}
         for k in range(n):
             assert uses.count(f"{prefix}-{k}") == 5
             defined = re.search(f'<g id="{prefix[1:]}-{k}"><path class="([^"]+)"', text)
             assert defined.group(1) == f"r-piece{hue(k, n)}"
-        edges = re.findall(r'class="r-edge(\d)"', one)
+        edges = re.findall(r'class="r-edge(\d)"', card)
         assert sorted(edges) == sorted(str(hue(k, n)) for k in range(n)) * 2 or len(edges) == 2 * n
-    assert len(parsed.all("g", **{"class": "r-move"})) == len(made)
+    assert len(parsed.all("g", **{"class": "r-move"})) == len(transforms)
 
 
 def test_both_shapes_of_a_card_are_drawn_to_one_scale(run):
-    for one in cards(run[2]):
-        panels = ET.fromstring(one).find(".//div[@class='panels']")
+    for card in cards(run[2]):
+        panels = ET.fromstring(card).find(".//div[@class='panels']")
         sizes = {tuple(svg.get("viewBox").split()[2:]) for svg in panels.iter("svg")}
         wide, high = ({int(size[axis]) for size in sizes} for axis in (0, 1))
         assert max(wide) - min(wide) <= 1 and max(high) - min(high) <= 1  # rounding of the corner
@@ -123,20 +123,20 @@ def test_both_shapes_of_a_card_are_drawn_to_one_scale(run):
 
 def test_numbers_are_those_of_the_tables(run):
     folder, _, text = run
-    for one, row in zip(cards(text), read_run(folder).certified, strict=True):
-        shown = "".join(ET.fromstring(one).find("dl").itertext())
+    for card, row in zip(cards(text), read_run(folder).certified, strict=True):
+        shown = "".join(ET.fromstring(card).find("dl").itertext())
         for value in (row.qcrs, row.crs, row.s_area, row.iou_p, row.bound_q, row.hausdorff_p, row.change_ratio):
             assert f"{value:.3f}" in shown
         assert "1.25 · 0.75" in shown and "1.5° · 2.5°" in shown
-        assert f"IoU {row.iou:.3f}" in "".join(ET.fromstring(one).find("header").itertext())
+        assert f"IoU {row.iou:.3f}" in "".join(ET.fromstring(card).find("header").itertext())
 
 
 def test_the_papers_method_stands_beside(run):
-    _, made, text = run
+    _, transforms, text = run
     section = ET.fromstring(re.search('<section id="beside">.*?</section>', text, flags=re.DOTALL).group(0))
     rows = [list(row.iter("td")) for row in section.iter("tr")][1:]
     assert len(rows) == fake_run.COMPARED + 1
-    ious = [measure_deformation(one).iou for one in made[: fake_run.COMPARED]]
+    ious = [measure_deformation(transform).iou for transform in transforms[: fake_run.COMPARED]]
     for rank, (row, iou) in enumerate(zip(rows, ious, strict=False), start=1):
         assert row[0].find(".//a").get("href") == f"#t{rank}"
         shown = ["".join(cell.itertext()) for cell in row[1:]]
@@ -151,10 +151,10 @@ def test_approximate_transforms_come_after_the_exact_ones(tmp_path):
     exact = fake_run.transforms(1)
     plan = same_trunks(exact[0], ConstructParameters().snap, 0.1)
     paper = construct_laplacian(plan, ConstructParameters())
-    fake_run.write_fake_run(tmp_path, made=exact, rejected=1, approximate=[paper])
-    found = read_run(tmp_path)
-    assert [len(rows) for rows in (found.certified, found.approximate, found.rejected)] == [1, 1, 1]
-    assert found.approximate[0].area_residual > 1e-6
+    fake_run.write_fake_run(tmp_path, exact=exact, rejected=1, approximate=[paper])
+    reported = read_run(tmp_path)
+    assert [len(rows) for rows in (reported.certified, reported.approximate, reported.rejected)] == [1, 1, 1]
+    assert reported.approximate[0].area_residual > 1e-6
     text = write_report(tmp_path).read_text(encoding="utf-8")
     first, second = map(ET.fromstring, cards(text))
     assert "approximate" not in "".join(first.itertext()) and "approximate, IoU" in "".join(second.itertext())
@@ -173,13 +173,13 @@ def test_names_of_shapes_are_text(run, parsed):
 
 def test_links_lead_to_cards(parsed, run):
     thumbs = parsed.all("a", **{"class": "thumb"})
-    assert [one["href"] for one in thumbs] == [f"#t{k + 1}" for k in range(len(run[1]))]
+    assert [link["href"] for link in thumbs] == [f"#t{k + 1}" for k in range(len(run[1]))]
 
 
 def test_histograms_count_everything(run):
     folder, _, text = run
-    found = read_run(folder)
-    assert (found.pairs, found.pairs_without_trunks, found.shapes, found.classes) == (780, 1, 40, 5)
+    reported = read_run(folder)
+    assert (reported.pairs, reported.pairs_without_trunks, reported.shapes, reported.classes) == (780, 1, 40, 5)
     for plot in re.findall(r'<figure class="plot">.*?</figure>', text, flags=re.DOTALL):
         root = ET.fromstring(plot)
         total = int(re.search(r": (\d+) ", root.find("svg/title").text).group(1))
@@ -191,8 +191,8 @@ def test_a_distribution_does_not_depend_on_how_it_arrives():
     values = np.random.default_rng(3).beta(2, 5, 10_001)
     values[:2] = 0.0, 1.0
     whole = distribution([values])
-    parts = distribution([np.append(part, np.nan) for part in np.array_split(values, 13)])
-    assert np.array_equal(whole.cells, parts.cells)
+    in_chunks = distribution([np.append(chunk, np.nan) for chunk in np.array_split(values, 13)])
+    assert np.array_equal(whole.cells, in_chunks.cells)
     assert whole.total == len(values)
     for share in (0.01, 0.5, 0.9, 0.999):
         assert whole.quantile(share) == pytest.approx(np.quantile(values, share), abs=2 / CELLS)
@@ -201,7 +201,7 @@ def test_a_distribution_does_not_depend_on_how_it_arrives():
 
 
 def test_a_run_that_found_nothing_has_a_report(tmp_path):
-    fake_run.write_fake_run(tmp_path, made=[], rejected=0, errors=0)
+    fake_run.write_fake_run(tmp_path, exact=[], rejected=0, errors=0)
     for name in ("reversibility", "shapes"):
         fake_run.write_table(tmp_path, name, [])
     shutil.rmtree(tmp_path / "qcrs")
@@ -214,14 +214,14 @@ def test_a_run_that_found_nothing_has_a_report(tmp_path):
 
 
 def test_what_a_reader_could_wonder_about_is_said(tmp_path):
-    fake_run.write_fake_run(tmp_path, made=[], rejected=0)
+    fake_run.write_fake_run(tmp_path, exact=[], rejected=0)
     facts = json.loads((tmp_path / "run.json").read_text())
     facts["counts"] |= {"without_trunks": 2, "selected": 0, "classes": 1, "ignored_files": 1}
     facts["configuration"] = {"select": {"policy": "global"}}
     (tmp_path / "run.json").write_text(json.dumps(facts))
     page = Page(write_report(tmp_path).read_text(encoding="utf-8"))
     shown = "".join(page.text)
-    assert len([one for one in page.all("p") if one.get("class") == "remark"]) == 3
+    assert len([paragraph for paragraph in page.all("p") if paragraph.get("class") == "remark"]) == 3
     assert "2 shapes have no trunk, so that every QCRS with them is 0" in shown
     assert "No pair was selected: select.policy=global pairs shapes of different classes" in shown
     assert "1 file was ignored" in shown
@@ -233,7 +233,7 @@ def test_residuals_of_any_size_are_markup():
 
 
 def test_an_empty_qcrs_folder_is_a_run_without_pairs(tmp_path):
-    fake_run.write_fake_run(tmp_path, made=[])
+    fake_run.write_fake_run(tmp_path, exact=[])
     shutil.rmtree(tmp_path / "qcrs")
     (tmp_path / "qcrs").mkdir()
     assert read_run(tmp_path).pairs == 0
@@ -241,7 +241,7 @@ def test_an_empty_qcrs_folder_is_a_run_without_pairs(tmp_path):
 
 
 def test_a_lost_transform_does_not_stop_the_report(tmp_path):
-    fake_run.write_fake_run(tmp_path, made=fake_run.transforms(3))
+    fake_run.write_fake_run(tmp_path, exact=fake_run.transforms(3))
     files = sorted((tmp_path / "transforms").iterdir())
     files[0].unlink()
     files[1].write_text('{"format": "riot-transform", "version": 99}')
@@ -256,7 +256,7 @@ def test_a_lost_transform_does_not_stop_the_report(tmp_path):
 
 
 def test_many_errors_are_cut_and_counted(tmp_path):
-    fake_run.write_fake_run(tmp_path, made=[], errors=230)
+    fake_run.write_fake_run(tmp_path, exact=[], errors=230)
     shown = "".join(Page(write_report(tmp_path).read_text(encoding="utf-8")).text)
     assert "30 more are in errors.parquet" in shown
     assert "bad <199>" in shown and "bad <200>" not in shown
@@ -264,7 +264,7 @@ def test_many_errors_are_cut_and_counted(tmp_path):
 
 @pytest.mark.parametrize("name", ["run.json", "crs.parquet"])
 def test_an_unfinished_run_is_named(tmp_path, name):
-    fake_run.write_fake_run(tmp_path, made=[])
+    fake_run.write_fake_run(tmp_path, exact=[])
     (tmp_path / name).unlink()
     with pytest.raises(ReportError, match=re.escape(name)) as caught:
         write_report(tmp_path)
@@ -275,15 +275,15 @@ def test_an_unfinished_run_is_named(tmp_path, name):
 def test_pieces_of_colour_pictures_show_them(tmp_path):
     folder = tmp_path / "coloured"
     folder.mkdir()
-    made = fake_run.write_fake_run(folder, made=fake_run.transforms(2))
-    stripes = {"p": pattern_texture("stripes", made[0], "p")}
+    transforms = fake_run.write_fake_run(folder, exact=fake_run.transforms(2))
+    stripes = {"p": pattern_texture("stripes", transforms[0], "p")}
     (folder / "skins").mkdir()
-    payload = encode(Artifact(pack_images(piece_images(made[0], stripes))))
+    payload = encode(Artifact(pack_images(piece_images(transforms[0], stripes))))
     (folder / "skins" / "0001.skins").write_bytes(payload)
     text = write_report(folder).read_text(encoding="utf-8")
     parsed = Page(text)
     assert not parsed.stack
-    n, ids = len(made[0]), {attrs["id"] for _, attrs, _ in parsed.elements if "id" in attrs}
+    n, ids = len(transforms[0]), {attrs["id"] for _, attrs, _ in parsed.elements if "id" in attrs}
     images = parsed.all("image")
     assert len(images) == n and all(image["href"].startswith("data:image/jpeg;base64,") for image in images)
     shown, plain = cards(text)

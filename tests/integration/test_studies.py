@@ -51,16 +51,16 @@ QUICK = {
 
 
 @pytest.fixture(scope="module")
-def made(where: Path) -> dict[str, Path]:
+def studied(where: Path) -> dict[str, Path]:
     """The folder of every study, each made once."""
-    found = {name: study(where, name, *more) for name, more in QUICK.items()}
-    assert [code for code, _ in found.values()] == [CLEAN] * len(STUDIES)
-    return {name: folder for name, (_, folder) in found.items()}
+    pages = {name: study(where, name, *more) for name, more in QUICK.items()}
+    assert [code for code, _ in pages.values()] == [CLEAN] * len(STUDIES)
+    return {name: folder for name, (_, folder) in pages.items()}
 
 
 @pytest.mark.parametrize("name", sorted(STUDIES))
-def test_every_study_writes_a_table_with_units_figures_and_a_page(made: dict[str, Path], name: str) -> None:
-    folder = made[name]
+def test_every_study_writes_a_table_with_units_figures_and_a_page(studied: dict[str, Path], name: str) -> None:
+    folder = studied[name]
     schema = pq.read_schema(folder / "table.parquet")
     assert schema.metadata[b"meaning"]
     assert all(field.metadata[b"meaning"] and b"unit" in field.metadata for field in schema)
@@ -70,42 +70,42 @@ def test_every_study_writes_a_table_with_units_figures_and_a_page(made: dict[str
     assert "http://" not in page.replace("http://www.w3.org", "") and "<script" not in page
 
 
-def test_the_page_of_studies_tells_what_each_found_or_how_to_make_it(where: Path, made: dict[str, Path]) -> None:
-    index = made["timing"].parent / "index.html"
+def test_the_page_of_studies_tells_what_each_found_or_how_to_make_it(where: Path, studied: dict[str, Path]) -> None:
+    index = studied["timing"].parent / "index.html"
     text = index.read_text(encoding="utf-8")
     page = Page(text)
     links = [link["href"] for link in page.all("a")]
     assert links == ["../report.html", *(f"{name}/report.html" for name in STUDIES)]
     assert all((index.parent / link).is_file() for link in links)
     assert "ordered as by CRS in" in text and "python -m" not in text
-    (made["timing"] / "table.parquet").rename(made["timing"] / "kept")
+    (studied["timing"] / "table.parquet").rename(studied["timing"] / "kept")
     write_contents(index.parents[1])
     assert "python -m pipeline.study timing" in index.read_text(encoding="utf-8")
-    (made["timing"] / "kept").rename(made["timing"] / "table.parquet")
+    (studied["timing"] / "kept").rename(studied["timing"] / "table.parquet")
     write_contents(index.parents[1])
     assert index.read_text(encoding="utf-8") == text
 
 
-def test_the_same_study_gives_the_same_bytes(where: Path, made: dict[str, Path]) -> None:
-    before = {path.name: path.read_bytes() for path in made["timing"].iterdir()}
+def test_the_same_study_gives_the_same_bytes(where: Path, studied: dict[str, Path]) -> None:
+    before = {path.name: path.read_bytes() for path in studied["timing"].iterdir()}
     study(where, "timing")
-    assert {path.name: path.read_bytes() for path in made["timing"].iterdir()} == before
+    assert {path.name: path.read_bytes() for path in studied["timing"].iterdir()} == before
 
 
 def test_prices_change_no_byte_of_the_table(
-    where: Path, made: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+    where: Path, studied: dict[str, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before = (made["sigmas"] / "table.parquet").read_bytes()
+    before = (studied["sigmas"] / "table.parquet").read_bytes()
     ticks = count(1)
     monkeypatch.setattr("time.process_time", lambda: float(next(ticks)) ** 3)
     code, folder = study(where, "sigmas", *QUICK["sigmas"])
     assert code == CLEAN and (folder / "table.parquet").read_bytes() == before
 
 
-def test_consistency_takes_qcrs_of_the_run_from_its_tables(where: Path, made: dict[str, Path]) -> None:
+def test_consistency_takes_qcrs_of_the_run_from_its_tables(where: Path, studied: dict[str, Path]) -> None:
     scored = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pylist()
     quick = {(row["i"], row["j"]): row["score"] for row in scored}
-    rows = table(made["consistency"])
+    rows = table(studied["consistency"])
     assert {row["sample"] for row in rows} == {"uniform", "classes", "selected"}
     assert sum(row["sample"] == "uniform" for row in rows) == 20
     for row in rows:
@@ -131,39 +131,41 @@ def test_consistency_leaves_out_pairs_that_the_run_set_aside(where: Path, monkey
 
     monkeypatch.setattr(StudiedRun, "quick_scores", one_lost)
     finished = StudiedRun.open(where / "outputs" / "folder")
-    found = consistency.study(finished, consistency.Parameters(pairs=20, bounds=0, draws=50), lambda text: None)
-    assert found.table.column("sample").to_pylist().count("uniform") == 19
-    assert np.isfinite(found.table.column("qcrs_paper").to_numpy()).all()
+    findings = consistency.study(finished, consistency.Parameters(pairs=20, bounds=0, draws=50), lambda text: None)
+    assert findings.table.column("sample").to_pylist().count("uniform") == 19
+    assert np.isfinite(findings.table.column("qcrs_paper").to_numpy()).all()
 
 
-def test_sigmas_judge_the_own_of_each_variant_as_consistency_does(made: dict[str, Path]) -> None:
-    pairs = [row for row in table(made["consistency"]) if row["sample"] == "uniform"]
+def test_sigmas_judge_the_own_of_each_variant_as_consistency_does(studied: dict[str, Path]) -> None:
+    pairs = [row for row in table(studied["consistency"]) if row["sample"] == "uniform"]
     cross = np.array([row["crs"] for row in pairs], dtype=np.float64)
-    rows = table(made["sigmas"])
+    rows = table(studied["sigmas"])
     assert [row["sigma_area"] for row in rows if row["variant"] == "paper"] == [0.1, 0.2]
     for row in rows:
         if row["own"]:
             quick = np.array([pair[f"qcrs_{row['variant']}"] for pair in pairs], dtype=np.float64)
             known = agreement(quick, cross, 50, 2018)
             assert (row["alike"], row["share"], row["halved"]) == (known.alike, known.share, known.halved)
-    assert (np.array([row["price"] for row in pq.read_table(made["sigmas"] / "times.parquet").to_pylist()]) > 0.0).all()
+    assert (
+        np.array([row["price"] for row in pq.read_table(studied["sigmas"] / "times.parquet").to_pylist()]) > 0.0
+    ).all()
 
 
-def test_distributions_count_every_shape_and_pair(made: dict[str, Path]) -> None:
-    rows = {(row["score"], row["class"]): row for row in table(made["distributions"])}
+def test_distributions_count_every_shape_and_pair(studied: dict[str, Path]) -> None:
+    rows = {(row["score"], row["class"]): row for row in table(studied["distributions"])}
     assert (rows["S_r", ""]["values"], rows["QCRS", ""]["values"]) == (10, 45)
     assert sum(row["values"] for (score, cls), row in rows.items() if score == "S_r" and cls) == 10  # type: ignore[misc]
 
 
-def test_timing_is_that_of_the_runs_artifacts(where: Path, made: dict[str, Path]) -> None:
-    rows = {row["step"]: row for row in table(made["timing"])}
+def test_timing_is_that_of_the_runs_artifacts(where: Path, studied: dict[str, Path]) -> None:
+    rows = {row["step"]: row for row in table(studied["timing"])}
     timings = {row["stage"]: row for row in pq.read_table(where / "outputs/folder/timings.parquet").to_pylist()}
     assert rows["QCRS"]["ours"] == pytest.approx(timings["qcrs"]["stored_seconds"] / 45)
     assert rows["QCRS"]["ratio"] == pytest.approx(1.99 / rows["QCRS"]["ours"])  # type: ignore[operator]
 
 
-def test_hidden_pairs_are_ranked_by_both_variants(made: dict[str, Path]) -> None:
-    rows = table(made["groundtruth"])
+def test_hidden_pairs_are_ranked_by_both_variants(studied: dict[str, Path]) -> None:
+    rows = table(studied["groundtruth"])
     assert [row["name"] for row in rows] == ["hidden000-p", "hidden000-q"]
     for row in rows:
         assert row["rank_paper"] == row["quick_rank"]

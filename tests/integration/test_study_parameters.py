@@ -44,42 +44,47 @@ def rows(trunks: Trunks) -> set[tuple[int, ...]]:
 @pytest.mark.parametrize("name", sorted(LOOSER))
 def test_a_looser_filter_loses_no_trunk(hidden: Sequence[Hidden], name: str) -> None:
     more = 0
-    for one in hidden:
-        tight = full_trunks(one.shape, DEFAULT)
-        loose = full_trunks(one.shape, replace(DEFAULT, **{name: LOOSER[name]}))  # type: ignore[arg-type]
+    for hidden_shape in hidden:
+        tight = full_trunks(hidden_shape.shape, DEFAULT)
+        loose = full_trunks(hidden_shape.shape, replace(DEFAULT, **{name: LOOSER[name]}))  # type: ignore[arg-type]
         assert rows(tight) <= rows(loose)
-        assert nearest(one, loose) <= nearest(one, tight)
+        assert nearest(hidden_shape, loose) <= nearest(hidden_shape, tight)
         more += len(loose) - len(tight)
     assert more > 0
 
 
 def test_the_nearest_trunk_is_that_of_brute_force(hidden: Sequence[Hidden]) -> None:
-    for one in hidden[:4]:
-        trunks = full_trunks(one.shape, DEFAULT)
-        n = len(one.corners)
+    for hidden_shape in hidden[:4]:
+        trunks = full_trunks(hidden_shape.shape, DEFAULT)
+        n = len(hidden_shape.corners)
         best = min(
-            max(float(np.hypot(*(one.shape.points[chosen[(j + shift) % n]] - one.corners[j]))) for j in range(n))
+            max(
+                float(np.hypot(*(hidden_shape.shape.points[chosen[(j + shift) % n]] - hidden_shape.corners[j])))
+                for j in range(n)
+            )
             for chosen in rows(trunks)
             if len(chosen) == n
             for shift in range(n)
         )
-        assert nearest(one, trunks) == pytest.approx(best, rel=1e-12)
-        assert nearest(replace(one, corners=np.roll(one.corners, 1, axis=0)), trunks) == pytest.approx(best, rel=1e-12)
-        on_trunk = replace(one, corners=one.shape.points[trunks.of(0)])
+        assert nearest(hidden_shape, trunks) == pytest.approx(best, rel=1e-12)
+        assert nearest(
+            replace(hidden_shape, corners=np.roll(hidden_shape.corners, 1, axis=0)), trunks
+        ) == pytest.approx(best, rel=1e-12)
+        on_trunk = replace(hidden_shape, corners=hidden_shape.shape.points[trunks.of(0)])
         assert nearest(on_trunk, trunks) == 0.0
 
 
 def test_a_true_trunk_is_found_exactly_if_no_test_loses_it(hidden: Sequence[Hidden]) -> None:
     values = {"spacing": (8.0,), "tau_s": (0.2,), "tau_c": (0.05,)}
-    outcomes = list(vary(hidden, [one.shape for one in hidden[:2]], DEFAULT, values, lambda _: None))
-    assert [(one.parameter, one.value, one.default) for one in outcomes] == [
+    outcomes = list(vary(hidden, [hidden_shape.shape for hidden_shape in hidden[:2]], DEFAULT, values, lambda _: None))
+    assert [(outcome.parameter, outcome.value, outcome.default) for outcome in outcomes] == [
         ("spacing", 8.0, False), ("spacing", 15.0, True), ("tau_s", 0.1, True), ("tau_s", 0.2, False),
         ("tau_c", 0.05, False), ("tau_c", 0.3, True),
     ]  # fmt: skip
-    for one in outcomes:
-        assert one.found + sum(one.lost.values()) == len(hidden)
-    assert len({one.found for one in outcomes}) > 1
-    default = next(one for one in outcomes if one.default)
+    for outcome in outcomes:
+        assert outcome.found + sum(outcome.lost.values()) == len(hidden)
+    assert len({outcome.found for outcome in outcomes}) > 1
+    default = next(outcome for outcome in outcomes if outcome.default)
     for which, error in zip(hidden, default.error, strict=True):
         lost = failed_test(which, full_trunks(which.shape, DEFAULT), False, DEFAULT)
         assert (error * L_C <= NEAR) == (lost == "")
@@ -88,13 +93,13 @@ def test_a_true_trunk_is_found_exactly_if_no_test_loses_it(hidden: Sequence[Hidd
 @settings(max_examples=25)
 @given(FACTORS, FACTORS)
 def test_reordered_is_the_score_by_other_sigmas(pa_factor: float, w_factor: float) -> None:
-    own = ReversibilityParameters()
-    other = replace(own, sigma_pa=own.sigma_pa * pa_factor, sigma_w=own.sigma_w * w_factor)
+    usual = ReversibilityParameters()
+    changed = replace(usual, sigma_pa=usual.sigma_pa * pa_factor, sigma_w=usual.sigma_w * w_factor)
     for points in (((0, 0), (6, 0), (6, 1), (0, 1)), ((0, 0), (4, 0), (2.2, 1), (4, 2), (0, 2), (1.8, 1))):
         shape = Shape.from_polygon(points)
-        found = reversibility(shape, own)
-        score = reordered(np.array([found.s1]), np.array([found.s2]), pa_factor, w_factor)
-        assert score[0] == pytest.approx(reversibility(shape, other).score, rel=1e-9, abs=1e-300)
+        usual_score = reversibility(shape, usual)
+        score = reordered(np.array([usual_score.s1]), np.array([usual_score.s2]), pa_factor, w_factor)
+        assert score[0] == pytest.approx(reversibility(shape, changed).score, rel=1e-9, abs=1e-300)
 
 
 @settings(max_examples=50)
@@ -110,32 +115,32 @@ def test_both_sigmas_together_change_no_order(terms: list[tuple[float, float]], 
 def test_the_own_sigmas_keep_the_order_and_only_their_ratio_counts() -> None:
     s1, s2 = np.random.default_rng(3).random((2, 50))
     s1[7] = np.nan
-    own = {"sigma_pa": 1.0, "sigma_w": 4.0}
-    found = list(orders(s1, s2, own, {"sigma_pa": (0.5, 2.0), "sigma_w": (2.0, 8.0)}))
-    by_value = {(one.parameter, one.value): one for one in found}
-    for name, value in own.items():
-        one = by_value[name, value]
-        assert one.default and one.kendall == pytest.approx(1.0) and one.kept == 1.0
+    usual = {"sigma_pa": 1.0, "sigma_w": 4.0}
+    sigma_orders = list(orders(s1, s2, usual, {"sigma_pa": (0.5, 2.0), "sigma_w": (2.0, 8.0)}))
+    by_value = {(order.parameter, order.value): order for order in sigma_orders}
+    for name, value in usual.items():
+        order = by_value[name, value]
+        assert order.default and order.kendall == pytest.approx(1.0) and order.kept == 1.0
     assert by_value["sigma_pa", 0.5].kendall == pytest.approx(by_value["sigma_w", 8.0].kendall)
     assert by_value["sigma_pa", 2.0].kendall == pytest.approx(by_value["sigma_w", 2.0].kendall)
     assert by_value["sigma_pa", 0.5].kendall < 1.0
 
 
 def test_all_but_the_times_is_the_same_again(tmp_path: Path, hidden: Sequence[Hidden]) -> None:
-    run = given_run(tmp_path, [one.shape for one in hidden], 2)
-    found, again = (study(run, QUICK, lambda _: None) for _ in range(2))
-    assert found.table.equals(again.table, check_metadata=True)
-    assert (found.lead, found.sheets) == (again.lead, again.sheets)
-    assert svg(found.figures["recovery"][0], "recovery") == svg(again.figures["recovery"][0], "recovery")
-    table = found.table.to_pylist()
-    write_findings(found, tmp_path / "study")
+    run = given_run(tmp_path, [hidden_shape.shape for hidden_shape in hidden], 2)
+    first, again = (study(run, QUICK, lambda _: None) for _ in range(2))
+    assert first.table.equals(again.table, check_metadata=True)
+    assert (first.lead, first.sheets) == (again.lead, again.sheets)
+    assert svg(first.figures["recovery"][0], "recovery") == svg(again.figures["recovery"][0], "recovery")
+    table = first.table.to_pylist()
+    write_findings(first, tmp_path / "study")
     times = pq.read_table(tmp_path / "study" / TIMES).to_pylist()
     assert [(row["parameter"], row["value"]) for row in times] == [
         (row["parameter"], row["value"]) for row in table if row["found"] is not None
     ]
     assert all(row["ratio"] > 0.0 for row in times)
     assert [row["ratio"] for row in times if row["value"] == DEFAULT.spacing] == [1.0]
-    assert "True trunks lost at" in [sheet.title for sheet in found.sheets] and TIMES in found.lead
+    assert "True trunks lost at" in [sheet.title for sheet in first.sheets] and TIMES in first.lead
 
 
 def test_values_out_of_range_are_refused() -> None:

@@ -79,9 +79,9 @@ def mine(config: Config) -> Pairs:
     outcome = run_pipeline(config, listen)
     assert outcome.code == CLEAN, outcome.results.errors
     table = pq.read_table(outcome.folder / "qcrs").to_pandas().drop(columns="i_block").reset_index(drop=True)
-    parts = sorted((outcome.folder / "qcrs").rglob("*.parquet"))
+    files = sorted((outcome.folder / "qcrs").rglob("*.parquet"))
     selected = pq.read_table(outcome.folder / "selected.parquet").to_pandas()
-    return Pairs(table, read_search(pq.read_schema(parts[0]).metadata), selected, ended)
+    return Pairs(table, read_search(pq.read_schema(files[0]).metadata), selected, ended)
 
 
 def best_of(every: pd.DataFrame, k: int) -> pd.DataFrame:
@@ -103,14 +103,14 @@ def test_the_pairs_are_the_best_of_all(
     k: int, shard: int, every: Pairs, root: Path, store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", shard)
-    found = mine(configure(root, tmp_path, store, qcrs={"mode": "topk", "k": k}))
-    assert (found.stages["shards"].total > 1) == (shard < 640)
+    kept = mine(configure(root, tmp_path, store, qcrs={"mode": "topk", "k": k}))
+    assert (kept.stages["shards"].total > 1) == (shard < 640)
     assert len(best_of(every.table, k)) > SHAPES // 2
-    pd.testing.assert_frame_equal(found.table, best_of(every.table, k), check_exact=True)
+    pd.testing.assert_frame_equal(kept.table, best_of(every.table, k), check_exact=True)
     shapes = SHAPES + 2 * len(COPIES)
-    assert every.search is None and found.search is not None
-    assert (found.search.k, found.search.shapes) == (k, shapes)
-    assert len(found.table) <= found.search.compared <= 2 * found.search.pairs == shapes * (shapes - 1)
+    assert every.search is None and kept.search is not None
+    assert (kept.search.k, kept.search.shapes) == (k, shapes)
+    assert len(kept.table) <= kept.search.compared <= 2 * kept.search.pairs == shapes * (shapes - 1)
 
 
 @pytest.mark.parametrize("policy", ["global", "paper"])
@@ -119,9 +119,9 @@ def test_with_enough_partners_the_selection_is_that_of_all_pairs(
 ) -> None:
     select = {"policy": policy, "top": 5, "breadth": 1}
     whole = mine(configure(root, tmp_path / "all", store, select=select))
-    found = mine(configure(root, tmp_path / "topk", store, select=select, qcrs={"mode": "topk", "k": 30}))
-    pd.testing.assert_frame_equal(found.selected, whole.selected, check_exact=True)
-    assert len(found.selected) == 5
+    kept = mine(configure(root, tmp_path / "topk", store, select=select, qcrs={"mode": "topk", "k": 30}))
+    pd.testing.assert_frame_equal(kept.selected, whole.selected, check_exact=True)
+    assert len(kept.selected) == 5
 
 
 def test_one_more_picture_changes_its_own_shard(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -144,13 +144,13 @@ def planned(root: Path, tmp_path: Path, until: str, **qcrs: object) -> Progress:
 
 
 def test_which_pairs_are_scored_is_no_part_of_the_keys_of_scores(root: Path, tmp_path: Path) -> None:
-    usual, other = planned(root, tmp_path, "qcrs"), planned(root, tmp_path, "qcrs", k=3)
-    assert [item.key for item in usual.work["qcrs"]] == [item.key for item in other.work["qcrs"]]
+    usual, changed = planned(root, tmp_path, "qcrs"), planned(root, tmp_path, "qcrs", k=3)
+    assert [item.key for item in usual.work["qcrs"]] == [item.key for item in changed.work["qcrs"]]
     assert usual.recipes["qcrs"].values == {"qcrs": usual.recipes["qcrs"].values["qcrs"]}
     assert set(usual.recipes["qcrs"].values["qcrs"]) == {"sigma_e", "sigma_angle", "sigma_area"}
-    one, two = (planned(root, tmp_path, "partners", mode="topk", k=k) for k in (20, 3))
-    assert [item.key for item in one.work["shards"]] == [item.key for item in two.work["shards"]]
-    assert not {item.key for item in one.work["partners"]} & {item.key for item in two.work["partners"]}
+    first, second = (planned(root, tmp_path, "partners", mode="topk", k=k) for k in (20, 3))
+    assert [item.key for item in first.work["shards"]] == [item.key for item in second.work["shards"]]
+    assert not {item.key for item in first.work["partners"]} & {item.key for item in second.work["partners"]}
 
 
 def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -207,8 +207,8 @@ def test_the_output_names_the_mode_and_what_it_leaves_out(root: Path, tmp_path: 
 def test_a_collection_without_shapes_has_no_partners(tmp_path: Path) -> None:
     (tmp_path / "root").mkdir()
     draw(tmp_path / "root" / "one.png", 1)
-    found = mine(configure(tmp_path / "root", tmp_path / "out", tmp_path / "store", qcrs={"mode": "topk"}))
-    assert len(found.table) == 0 and found.search == PartnerSearch(20, 1, 0)
+    kept = mine(configure(tmp_path / "root", tmp_path / "out", tmp_path / "store", qcrs={"mode": "topk"}))
+    assert len(kept.table) == 0 and kept.search == PartnerSearch(20, 1, 0)
 
 
 @pytest.mark.parametrize(

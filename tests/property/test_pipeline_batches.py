@@ -26,9 +26,9 @@ def test_batches_cover_everything_once_in_bounds(count: int, mean: int, salt: st
 
 @settings(max_examples=40)
 @given(st.integers(0, 400), st.text(max_size=3))
-def test_one_more_item_leaves_most_batches(at: int, salt: str) -> None:
+def test_one_more_item_leaves_most_batches(position: int, salt: str) -> None:
     before = digests(400, salt)
-    after = [*before[:at], hashlib.sha256(b"new").hexdigest(), *before[at:]]
+    after = [*before[:position], hashlib.sha256(b"new").hexdigest(), *before[position:]]
     old = {tuple(before[batch.start : batch.stop]) for batch in cut(before, 16)}
     new = {tuple(after[batch.start : batch.stop]) for batch in cut(after, 16)}
     assert len(new - old) <= 6

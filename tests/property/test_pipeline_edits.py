@@ -30,10 +30,14 @@ def keys_of(project: Project) -> Keys:
 def changed(before: Keys, after: Keys) -> set[str]:
     assert before.keys() == after.keys()
     stages_of = {name for name, _ in before}
-    found = {name for name in stages_of if any(before[one] != after[one] for one in before if one[0] == name)}
+    stages = {
+        name
+        for name in stages_of
+        if any(before[reference] != after[reference] for reference in before if reference[0] == name)
+    }
     # An edit of code, versions or parameters concerns a whole stage or nothing of it.
-    assert all(before[one] != after[one] for one in before if one[0] in found)
-    return found
+    assert all(before[reference] != after[reference] for reference in before if reference[0] in stages)
+    return stages
 
 
 @pytest.mark.parametrize("edit", [*CODE, *PARAMETERS, *LIBRARIES], ids=lambda edit: edit.name)
@@ -52,7 +56,9 @@ def test_another_picture_concerns_what_it_is_in(project: Project) -> None:
     for (stage, members), key in after.items():
         if stage not in whole and (stage, members) in before:
             assert (key != before[stage, members]) == (number in members)
-    assert all(before[one] != after[one] for one in before.keys() & after.keys() if one[0] in whole)
+    assert all(
+        before[reference] != after[reference] for reference in before.keys() & after.keys() if reference[0] in whole
+    )
 
 
 def stored(store: Store, items: list[WorkItem]) -> list[str]:
@@ -77,9 +83,9 @@ def test_an_accepted_edit_redoes_nothing(project: Project, tmp_path: Path) -> No
     assert {store.state(*item.reference) for item in renewed} == {State.ABSENT}
     tried = accept(store, listed, dry_run=True)
     assert {store.state(*item.reference) for item in renewed} == {State.ABSENT}
-    found = accept(store, listed)
-    assert found == tried and found.accepted == {name: len(keys) for name, keys in listed.items()}
-    assert any("code.riot.geometry.polyline" in text for text in found.changes)
+    acceptance = accept(store, listed)
+    assert acceptance == tried and acceptance.accepted == {name: len(keys) for name, keys in listed.items()}
+    assert any("code.riot.geometry.polyline" in text for text in acceptance.changes)
     # Every item of the new plan has the very artifact of its own item of the old one.
     for number, item in enumerate(renewed):
         assert store.get(*item.reference).document == {"number": number}

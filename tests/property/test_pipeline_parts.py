@@ -18,12 +18,14 @@ def test_halves_hold_every_pair_once(same: bool, rows: int, columns: int) -> Non
     assert pairs == expected
     level = [whole]
     while level:
-        halves = [half for part in level for half in part.halves()]
-        single = [part for part in level if not part.halves()]
-        assert all(len(list(part.pairs())) <= 1 for part in single)
-        assert sorted(pair for part in (*halves, *single) for pair in part.pairs()) == sorted(
-            pair for part in level for pair in part.pairs()
+        halves = [half for sub_block in level for half in sub_block.halves()]
+        single = [sub_block for sub_block in level if not sub_block.halves()]
+        assert all(len(list(sub_block.pairs())) <= 1 for sub_block in single)
+        assert sorted(pair for sub_block in (*halves, *single) for pair in sub_block.pairs()) == sorted(
+            pair for sub_block in level for pair in sub_block.pairs()
         )
-        assert all(len(list(half.pairs())) < len(list(part.pairs())) for part in level for half in part.halves())
+        assert all(
+            len(list(half.pairs())) < len(list(sub_block.pairs())) for sub_block in level for half in sub_block.halves()
+        )
         assert all(any(half.pairs()) for half in halves)
         level = halves

@@ -10,7 +10,7 @@ import pytest
 from integration.small_runs import digests, pictures
 from stores.kit import FilesKit, made, parts
 
-from pipeline.cli.cache import BAD_START, OK, main
+from pipeline.cli.cache import BAD_START, CLEAN, main
 from pipeline.config.schema import ClusterConfig, Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import StartError
@@ -94,12 +94,12 @@ def test_a_run_on_an_object_store_writes_the_same_tables(
     assert list(Store(there.store).folders()) == list(Store(here.store).folders())
     # The keeper works there, too.
     at = ["--store", str(there.store)]
-    assert main(["du", *at]) == OK and main(["verify", *at]) == OK
+    assert main(["du", *at]) == CLEAN and main(["verify", *at]) == CLEAN
     store = Store(there.store)
     store.put(parts(1), made(1))
     gc = ["gc", *at, "--outputs", str(there.outputs)]
     assert main(gc) == BAD_START and "--alone" in capsys.readouterr().out
-    assert main([*gc, "--alone"]) == OK
+    assert main([*gc, "--alone"]) == CLEAN
     assert store.state("stage", parts(1).key()) is State.ABSENT
     assert list(store.folders()) == list(Store(here.store).folders())
 

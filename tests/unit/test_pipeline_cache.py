@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli.cache import BAD_START, DAMAGED, OK, main
+from pipeline.cli.cache import BAD_START, CLEAN, DAMAGED, main
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, State, Store
@@ -16,10 +16,10 @@ from pipeline.tables.record import ARTIFACTS
 
 @pytest.fixture
 def store(tmp_path: Path) -> Store:
-    made = Store(tmp_path / "store")
+    filled = Store(tmp_path / "store")
     for name in "abc":
-        made.put(KeyParts("crs", {"name": name}, (), {}, {}), Artifact({}, {"name": name}))
-    return made
+        filled.put(KeyParts("crs", {"name": name}, (), {}, {}), Artifact({}, {"name": name}))
+    return filled
 
 
 def key(name: str) -> str:
@@ -33,30 +33,30 @@ def keep(tmp_path: Path, *names: str) -> None:
 
 
 def call(tmp_path: Path, command: str, *more: str) -> int:
-    places = ["--store", str(tmp_path / "store")]
-    places += ["--outputs", str(tmp_path / "outputs")] if command == "gc" else []
-    return main([command, *places, *more])
+    options = ["--store", str(tmp_path / "store")]
+    options += ["--outputs", str(tmp_path / "outputs")] if command == "gc" else []
+    return main([command, *options, *more])
 
 
 def test_du_counts_artifacts(tmp_path: Path, store: Store, capsys: pytest.CaptureFixture[str]) -> None:
-    assert call(tmp_path, "du") == OK
-    assert "crs" in (said := capsys.readouterr().out) and " 3 " in said
+    assert call(tmp_path, "du") == CLEAN
+    assert "crs" in (printed := capsys.readouterr().out) and " 3 " in printed
 
 
 def test_verify_finds_damage(tmp_path: Path, store: Store, capsys: pytest.CaptureFixture[str]) -> None:
-    assert call(tmp_path, "verify") == OK
+    assert call(tmp_path, "verify") == CLEAN
     payload = store.folder("crs", key("b")) / PAYLOAD
     payload.write_bytes(payload.read_bytes() + b"x")
     assert call(tmp_path, "verify") == DAMAGED
-    said = capsys.readouterr().out
-    assert key("b") in said and key("a") not in said
+    printed = capsys.readouterr().out
+    assert key("b") in printed and key("a") not in printed
 
 
 def test_gc_keeps_what_runs_need(tmp_path: Path, store: Store) -> None:
     keep(tmp_path, "a")
-    assert call(tmp_path, "gc", "--dry-run") == OK
+    assert call(tmp_path, "gc", "--dry-run") == CLEAN
     assert store.state("crs", key("b")) is State.PRESENT
-    assert call(tmp_path, "gc") == OK
+    assert call(tmp_path, "gc") == CLEAN
     assert [store.state("crs", key(name)) for name in "abc"] == [State.PRESENT, State.ABSENT, State.ABSENT]
 
 
@@ -70,7 +70,7 @@ def test_gc_knows_artifacts_from_other_folders(tmp_path: Path, store: Store) -> 
     letters = store.root / "letters" / "ab" / "old"
     letters.mkdir(parents=True)
     keep(tmp_path, "a")
-    assert call(tmp_path, "gc") == OK
+    assert call(tmp_path, "gc") == CLEAN
     assert letters.is_dir() and store.state("crs", key("b")) is State.ABSENT
 
 
@@ -78,10 +78,10 @@ def test_gc_with_a_damaged_run_deletes_nothing(
     tmp_path: Path, store: Store, capsys: pytest.CaptureFixture[str]
 ) -> None:
     keep(tmp_path, "a")
-    other = tmp_path / "outputs" / "other" / ARTIFACTS
-    other.parent.mkdir()
+    other_run = tmp_path / "outputs" / "other" / ARTIFACTS
+    other_run.parent.mkdir()
     for text in ("{", "[]", '{"crs": 3}'):
-        other.write_text(text)
+        other_run.write_text(text)
         assert call(tmp_path, "gc") == BAD_START
         assert ARTIFACTS in capsys.readouterr().out
     assert store.state("crs", key("b")) is State.PRESENT

@@ -45,8 +45,8 @@ def test_the_nearest_stored_key_is_compared() -> None:
     far = parts(
         code={"riot.scores.crs": "dddd"}, versions={"numpy": "1.0"}, parameters={"crs": {"lines": 1, "sigma_e": 9.0}}
     )
-    found = explain(parts(versions={"numpy": "2.1"}).to_json(), gather([far.to_json(), parts().to_json()]))
-    assert found == ("versions.numpy '2.0' → '2.1'",)
+    changes = explain(parts(versions={"numpy": "2.1"}).to_json(), gather([far.to_json(), parts().to_json()]))
+    assert changes == ("versions.numpy '2.0' → '2.1'",)
 
 
 def test_misses_are_counted_by_reason(tmp_path: Path) -> None:
@@ -57,9 +57,9 @@ def test_misses_are_counted_by_reason(tmp_path: Path) -> None:
     payload = store.folder("crs", damaged.key()) / PAYLOAD
     payload.write_bytes(payload.read_bytes()[:-1])
     items = [damaged, parts(inputs=("a", "c")), parts(inputs=("c", "b")), parts(versions={"numpy": "3"})]
-    found = Causes(store).of([WorkItem(one, (), (), None, ()) for one in items])
-    assert found[NOT_DONE] == 2 and found["versions.numpy '2.0' → '3'"] == 1
-    assert sum(count for text, count in found.items() if text.startswith("corrupt")) == 1
+    causes = Causes(store).of([WorkItem(key_parts, (), (), None, ()) for key_parts in items])
+    assert causes[NOT_DONE] == 2 and causes["versions.numpy '2.0' → '3'"] == 1
+    assert sum(count for text, count in causes.items() if text.startswith("corrupt")) == 1
 
 
 def test_an_empty_store_explains_itself(tmp_path: Path) -> None:

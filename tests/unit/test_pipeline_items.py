@@ -26,8 +26,8 @@ def test_trunks_come_back_one_by_one_and_all_at_once() -> None:
     assert len(together) == len(packed)
     for index, trunks in enumerate(packed):
         expected = (trunks or some_trunks(0, 0)).to_arrays()
-        for found in (unpack_trunks(batch, index), together[index]):
-            for name, array in found.to_arrays().items():
+        for unpacked in (unpack_trunks(batch, index), together[index]):
+            for name, array in unpacked.to_arrays().items():
                 assert np.array_equal(array, expected[name]) and array.dtype == expected[name].dtype
                 assert array.flags.writeable and array.flags.c_contiguous  # else kernels would compile anew
     assert unpack_batch_trunks(decode(encode(Artifact(pack_trunks([]))))) == []

@@ -28,8 +28,8 @@ def test_a_usual_run_needs_no_words() -> None:
     ],
 )
 def test_what_could_surprise_is_said_once(changes: dict[str, int], policy: str, words: str) -> None:
-    (said,) = sentences(USUAL | changes, policy)
-    assert words in said
+    (sentence,) = sentences(USUAL | changes, policy)
+    assert words in sentence
 
 
 def test_failures_speak_for_themselves() -> None:

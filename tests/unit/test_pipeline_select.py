@@ -18,13 +18,13 @@ COUNT = 12
 
 def blocks_of(scores: np.ndarray, size: int) -> list[Block]:
     """All pairs i < j of a symmetric matrix, in blocks of ``size`` shapes."""
-    found = []
+    blocks = []
     for a in range(0, len(scores), size):
         for b in range(a, len(scores), size):
             pairs = [(i, j) for i in range(a, min(a + size, len(scores))) for j in range(b, min(b + size, len(scores)))]
             ij = np.array([(i, j) for i, j in pairs if i < j], dtype=np.int64).reshape(-1, 2)
-            found.append((ij[:, 0], ij[:, 1], scores[ij[:, 0], ij[:, 1]]))
-    return found
+            blocks.append((ij[:, 0], ij[:, 1], scores[ij[:, 0], ij[:, 1]]))
+    return blocks
 
 
 def plainly(scores: np.ndarray, classes: list[str], limits: SelectionLimits) -> list[tuple[int, int]]:
