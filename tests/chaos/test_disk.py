@@ -24,7 +24,7 @@ from PIL import ImageFile
 from rich.console import Console
 
 import pipeline.runtime.execute
-from pipeline.cli.cache import CLEAN, main
+from pipeline.cli.cache import main
 from pipeline.config.schema import ClusterConfig, Config
 from pipeline.errors import StorageError
 from pipeline.exit_codes import FAILED
