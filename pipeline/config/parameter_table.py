@@ -14,7 +14,7 @@ from pipeline.config.schema import Config
 from riot.parameters import ParameterGroup
 from riot.parameters.field import describe, type_name
 
-HEADER = "| parameter | type | default | unit | range | meaning | source |\n|---|---|---|---|---|---|---|"
+HEADER = "| parameter | default | allowed | meaning | source |\n|---|---|---|---|---|"
 
 
 @dataclass(frozen=True)
@@ -100,6 +100,7 @@ def _markdown(section: Section) -> Iterator[str]:
         yield from ("Choices: " + ", ".join(f"`{section.name}={choice}`" for choice in section.choices) + ".", "")
     yield HEADER
     for row in section.rows:
-        cells = (row.type, row.default, row.unit, row.range, row.meaning, row.source)
+        default, allowed = f"{row.default} {row.unit}".rstrip(), ", ".join(filter(None, (row.type, row.range)))
+        cells = (default, allowed, row.meaning, row.source)
         yield f"| `{row.name}` | {' | '.join(map(markdown_cell, cells))} |"
     yield ""
