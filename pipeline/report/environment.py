@@ -16,7 +16,7 @@ from pipeline.report import formats
 from pipeline.report.assets import TEMPLATES, read_asset
 from riot.draw.animate import MOTION_STYLE
 from riot.draw.palette import DARK, LIGHT
-from riot.draw.svg import page_colours, page_style
+from riot.draw.svg_style import page_colours, page_style
 
 FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
 """Characters that neither HTML nor XML may hold, even escaped; names of files may."""

@@ -17,9 +17,10 @@ from pipeline.report.thumb import HEIGHT, WIDTH, thumb
 from pipeline.study.finished import StudiedRun
 from pipeline.study.quiz_pairs import QuizPair
 from riot.draw.palette import LIGHT
-from riot.draw.panels import DETAIL
 from riot.draw.scene import Region, Scene
-from riot.draw.svg import fragment, page_colours
+from riot.draw.svg import fragment
+from riot.draw.svg_style import page_colours
+from riot.draw.tuning import SKETCH_TOLERANCE
 from riot.geometry.polyline import simplify
 from riot.transform.transform import Transform
 from riot.types import FloatArray
@@ -103,7 +104,7 @@ def _silhouettes(finished: StudiedRun, number: int, pair: QuizPair) -> tuple[Mar
 
 
 def _silhouette(points: FloatArray, title: str, half: float) -> Markup:
-    drawn = points[simplify(points, DETAIL)]
+    drawn = points[simplify(points, SKETCH_TOLERANCE)]
     scene = Scene(title, (-half, -half, half, half), half / 60.0, (), (Region((drawn,), "silhouette"),))
     return Markup(fragment(scene, ""))
 

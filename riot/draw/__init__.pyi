@@ -1,4 +1,5 @@
 from . import animate as animate
+from . import depth_buffer as depth_buffer
 from . import figure as figure
 from . import files as files
 from . import film as film
@@ -12,7 +13,9 @@ from . import scene as scene
 from . import solid as solid
 from . import strip as strip
 from . import svg as svg
+from . import svg_style as svg_style
 from . import texture as texture
+from . import tuning as tuning
 from .animate import animate_svg as animate_svg
 from .figure import draw_transform as draw_transform
 from .film import write_film as write_film

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 from riot.draw.keyframes import (
-    REST,
     Keyframes,
     eased,
     frame_count,
@@ -20,20 +19,16 @@ from riot.draw.keyframes import (
 from riot.draw.panels import sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Dot, Scene
-from riot.draw.svg import dot, naming, painted, piece_id, place, whole
+from riot.draw.svg import dot, naming, painted, piece_id, translation, whole
+from riot.draw.tuning import MOTION_PENS, PAUSE_FRAMES, STILL_TIME, SWEPT_MARGIN
 from riot.motion.planner import motion_of
 from riot.transform.motion import Motion
 from riot.transform.transform import Transform
 
-STILL = 0.35
-"""The pose for those who asked for less motion."""
-
 MOTION_STYLE = (
     ".r-still{display:none}@media (prefers-reduced-motion:reduce){.r-still{display:inline}.r-move{display:none}}"
 )
-"""Rules that put the still pose in the place of the animation."""
-
-_PENS_ACROSS = 520.0
+"""Rules that show the still pose instead of the animation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +62,11 @@ def swing_of(transform: Transform, prefix: str, images: PieceImages = NO_IMAGES)
     drawn, motion = sketch(transform), motion_of(transform)
     frames = frame_count(motion)
     there = keyframes(motion, eased(frames))
-    # The path between two key frames leaves the frames' own box by the height of an arc of a few degrees.
-    box = swept_box(drawn, there, margin=0.05)
-    pen = (box[2] - box[0]) / _PENS_ACROSS
+    box = swept_box(drawn, there, margin=SWEPT_MARGIN)
+    pen = (box[2] - box[0]) / MOTION_PENS
     names = transform.p.name or "P", transform.q.name or "Q"
     title = f"{len(drawn)} hinged pieces swing from {names[0]} to {names[1]} and back: the chain {motion.words}"
-    scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL)), images)
+    scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL_TIME)), images)
     uses = [f'<use href="#{piece_id(prefix, i, images=images)}"/>' for i in range(len(drawn))]
     moving = "".join(_piece(drawn, i, there, uses[i], pen, motion) for i in painting_order(motion))
     body = f'<g class="r-move">{moving}</g><g class="r-still">{painted(scene, prefix)}</g>'
@@ -80,7 +74,7 @@ def swing_of(transform: Transform, prefix: str, images: PieceImages = NO_IMAGES)
 
 
 def _piece(drawn: Transform, i: int, there: Keyframes, use: str, pen: float, motion: Motion) -> str:
-    moves = _loop([place(x, y) for x, y in there.origins[:, i].tolist()])
+    moves = _loop([translation(x, y) for x, y in there.origins[:, i].tolist()])
     turns = _loop([_degrees(heading) for heading in there.headings[:, i].tolist()])
     seconds = loop_seconds(len(there.headings) - 1)
     inner = use
@@ -94,8 +88,8 @@ def _piece(drawn: Transform, i: int, there: Keyframes, use: str, pen: float, mot
 
 def _loop(there: list[str]) -> str:
     """The key frames of the way there, a pause, the way back, and a pause around the start."""
-    rest = there[:1] * (REST // 2)
-    return ";".join([*rest, *there, *there[-1:] * REST, *there[-2:0:-1], *rest])
+    rest = there[:1] * (PAUSE_FRAMES // 2)
+    return ";".join([*rest, *there, *there[-1:] * PAUSE_FRAMES, *there[-2:0:-1], *rest])
 
 
 def _animation(kind: str, values: str, seconds: float) -> str:

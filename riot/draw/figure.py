@@ -10,19 +10,11 @@ from riot.draw.keyframes import motion_marks
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Box, Label, Mark, Scene, extent, moved
+from riot.draw.tuning import CAPTION_LENGTH, FIGURE_PENS, FIGURE_TIMES
 from riot.motion.planner import motion_of
 from riot.transform.certificate import certify
 from riot.transform.deformation import measure_deformation
 from riot.transform.transform import Transform
-
-STRIP_TIMES = (0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0)
-"""The poses of the strip."""
-
-_PENS_ACROSS = 960.0
-"""Width of the figure in pens."""
-
-_NAME_LENGTH = 28
-"""Longer names would run into each other."""
 
 
 def draw_transform(transform: Transform, path: str | os.PathLike[str], images: PieceImages = NO_IMAGES) -> None:
@@ -55,7 +47,7 @@ def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene
     cell_width = max(x1 - x0 for x0, _, x1, _ in boxes)
     gap = 0.14 * cell_width
     width = 3 * cell_width + 4 * gap
-    pen = width / _PENS_ACROSS
+    pen = width / FIGURE_PENS
     line = 30 * pen
 
     marks: list[Mark] = []
@@ -65,7 +57,7 @@ def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene
     top -= 24 * pen + line
     for row, name in zip(cells, names, strict=True):
         captions = (f"{name} and its trunk", "what the pieces make, over it", f"{name} from {len(drawn)} pieces")
-        tall = max(y1 - y0 for _, y0, _, y1 in (extent(each, drawn.pieces) for each in row))
+        tall = max(y1 - y0 for _, y0, _, y1 in (extent(cell, drawn.pieces) for cell in row))
         for column, (cell, caption) in enumerate(zip(row, captions, strict=True)):
             x = gap + cell_width / 2 + column * (cell_width + gap)
             marks += _centred(cell, drawn, x, top - tall / 2)
@@ -75,7 +67,7 @@ def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene
     top = _fitted(marks, [chain], drawn, top, width - 2 * gap, gap)
     marks.append(Label(width / 2, top - 0.9 * line, f"the chain: {names[0]} below, {names[1]} above", "note"))
     top -= 2 * line
-    poses = [motion_marks(drawn, motion, t) for t in STRIP_TIMES]
+    poses = [motion_marks(drawn, motion, t) for t in FIGURE_TIMES]
     top = _fitted(marks, poses, drawn, top, width - 2 * gap, gap)
     marks.append(Label(width / 2, top - 0.9 * line, f"the chain, open at one hinge, {motion.words}", "note"))
     title = f"Reversible transform of {names[0]} into {names[1]}, {len(drawn)} hinged pieces"
@@ -83,7 +75,7 @@ def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene
 
 
 def _short(name: str) -> str:
-    return name if len(name) <= _NAME_LENGTH else f"{name[: _NAME_LENGTH - 1]}…"
+    return name if len(name) <= CAPTION_LENGTH else f"{name[: CAPTION_LENGTH - 1]}…"
 
 
 def _row(drawn: Transform, side: str) -> list[list[Mark]]:

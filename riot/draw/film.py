@@ -16,30 +16,31 @@ import numpy.typing as npt
 from PIL import Image, ImageColor
 
 from riot.draw.files import PictureFormatError
-from riot.draw.keyframes import FRAMES, REST, eased, frame_count, keyframes, loop_seconds, motion_marks, swept_box
+from riot.draw.keyframes import eased, frame_count, keyframes, loop_seconds, motion_marks, swept_box
 from riot.draw.palette import LIGHT
 from riot.draw.panels import sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.raster import pixels_of_png, png_of_svg
 from riot.draw.scene import Scene
 from riot.draw.svg import CLOSING, naming, opening, painted
+from riot.draw.tuning import (
+    FILM_WIDTH,
+    GIF_COLOURS,
+    MOTION_PENS,
+    MP4_QUALITY,
+    MP4_RATE,
+    PALETTE_CELL,
+    PALETTE_FRAMES,
+    PAUSE_FRAMES,
+    SWEPT_MARGIN,
+    WAY_FRAMES,
+)
 from riot.errors import RiotError
 from riot.motion.planner import motion_of
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
-WIDTH = 640
-"""Pixels across."""
-
-MP4_RATE = 30
-"""Frames a second of an MP4; a GIF has as many as the animated SVG has key frames."""
-
-COLOURS = 128
-"""Of a GIF, the same in all its frames."""
-
 MODULE = "imageio_ffmpeg"
-
-_PENS_ACROSS = 520.0
 
 
 class FilmError(RiotError, ModuleNotFoundError):
@@ -47,7 +48,7 @@ class FilmError(RiotError, ModuleNotFoundError):
 
 
 def write_film(
-    transform: Transform, path: str | os.PathLike[str], width: int = WIDTH, images: PieceImages = NO_IMAGES
+    transform: Transform, path: str | os.PathLike[str], width: int = FILM_WIDTH, images: PieceImages = NO_IMAGES
 ) -> None:
     """Write the motion from P to Q and back, a loop with pauses; the suffix (gif, mp4) chooses the format.
 
@@ -91,11 +92,11 @@ def _gif(camera: _Camera) -> bytes:
     there = [Image.fromarray(pixels_of_png(camera.picture(float(t)))) for t in eased(frames)]
     palette = _common_palette(there)
     there = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in there]
-    step = 10 * round(50.0 * loop_seconds(frames) / (frames + REST))  # milliseconds; a GIF counts hundredths
+    step = 10 * round(50.0 * loop_seconds(frames) / (frames + PAUSE_FRAMES))  # milliseconds; a GIF counts hundredths
     film = [*there, *there[-2:0:-1]]
     durations = [step] * len(film)
-    durations[0] += REST * step
-    durations[frames] += REST * step
+    durations[0] += PAUSE_FRAMES * step
+    durations[frames] += PAUSE_FRAMES * step
     stream = io.BytesIO()
     film[0].save(
         stream, "GIF", save_all=True, append_images=film[1:], duration=durations, loop=0, optimize=False, disposal=1
@@ -105,15 +106,15 @@ def _gif(camera: _Camera) -> bytes:
 
 def _common_palette(frames: list[Image.Image]) -> Image.Image:
     """A picture with the colours that all frames share."""
-    chosen = frames[:: max(1, len(frames) // 6)]
+    chosen = frames[:: max(1, len(frames) // PALETTE_FRAMES)]
     sheet = Image.new("RGB", (chosen[0].width, chosen[0].height * len(chosen)))
     for k, frame in enumerate(chosen):
         sheet.paste(frame, (0, k * frame.height))
-    palette = sheet.quantize(COLOURS, dither=Image.Dither.NONE)
+    palette = sheet.quantize(GIF_COLOURS, dither=Image.Dither.NONE)
     # Paper is paper, which the mean of nearly white pixels is not; Pillow looks colours up in cells of eight.
     colours = np.array(palette.getpalette()).reshape(-1, 3)
     differences = np.abs(colours - ImageColor.getrgb(LIGHT["paper"])).max(axis=1)
-    colours[differences < max(8, int(differences.min()) + 1)] = ImageColor.getrgb(LIGHT["paper"])
+    colours[differences < max(PALETTE_CELL, int(differences.min()) + 1)] = ImageColor.getrgb(LIGHT["paper"])
     palette.putpalette(colours.ravel().tolist())
     return palette
 
@@ -121,14 +122,14 @@ def _common_palette(frames: list[Image.Image]) -> Image.Image:
 def _mp4(target: Path, writer: Any, camera: _Camera) -> None:
     frames = frame_count(camera.motion)
     half = round(0.5 * loop_seconds(frames) * MP4_RATE)
-    rest = round(half * REST / (frames + REST))
+    rest = round(half * PAUSE_FRAMES / (frames + PAUSE_FRAMES))
     times = eased(half - rest)
     temporary = target.with_name(f".{target.stem}.{uuid.uuid4().hex}.mp4")
     # Without the encoder's name, one thread: the same film gives the same bytes.
     plain = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1", "-threads", "1"]
     try:
         output = writer.write_frames(
-            str(temporary), camera.size, fps=MP4_RATE, macro_block_size=2, quality=7, output_params=plain
+            str(temporary), camera.size, fps=MP4_RATE, macro_block_size=2, quality=MP4_QUALITY, output_params=plain
         )
         output.send(None)
         for picture, count in _loop(camera, times, rest):
@@ -152,13 +153,13 @@ class _Camera:
 
     def __init__(self, transform: Transform, width: int, multiple: int, images: PieceImages) -> None:
         drawn, self.motion = sketch(transform), motion_of(transform)
-        x0, y0, x1, y1 = swept_box(drawn, keyframes(self.motion, eased(FRAMES)), margin=0.05)
+        x0, y0, x1, y1 = swept_box(drawn, keyframes(self.motion, eased(WAY_FRAMES)), margin=SWEPT_MARGIN)
         pixel = (x1 - x0) / width
         height = multiple * round((y1 - y0) / pixel / multiple)
         box = (x0, y1 - height * pixel, x1, y1)
         self.size = width, height
         self._drawn, self._prefix = drawn, naming(drawn.pieces, images)
-        self._scene = Scene("", box, (x1 - x0) / _PENS_ACROSS, drawn.pieces, (), images)
+        self._scene = Scene("", box, (x1 - x0) / MOTION_PENS, drawn.pieces, (), images)
         self._opening = opening(self._scene, self._prefix, width, codec="PNG")
 
     def picture(self, t: float) -> bytes:

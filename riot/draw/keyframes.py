@@ -1,4 +1,4 @@
-"""What every picture of the motion shows: the poses of the plan, higher planes over lower ones (theory §9). Ours."""
+"""Key frames and marks of every picture of a motion, higher planes painted over lower ones (theory §9). Ours."""
 
 from __future__ import annotations
 
@@ -8,27 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from riot.draw.scene import Box, Dot, Mark, PlacedPiece, around, swept
+from riot.draw.tuning import LIFTING_RADIUS, LOOP_SECONDS, MAX_TURN, PAUSE_FRAMES, WAY_FRAMES
 from riot.transform.motion import Motion
 from riot.transform.pose import direction
 from riot.transform.transform import Transform
 from riot.transform.tuning import LIFT
 from riot.types import FloatArray
-
-MAX_TURN = math.radians(10.0)
-"""Most that a piece turns between two frames, so that straight steps look rigid."""
-
-LIFTING_RADIUS = 4.5
-"""Radius of a telescopic hinge's dot, in pens."""
-
-
-FRAMES = 40
-"""Frames of one way, or more if pieces turn far."""
-
-REST = 14
-"""Frames of one pause."""
-
-SECONDS = 8.0
-"""One loop of `FRAMES`: a pause as P, the way there, a pause as Q, the way back. More frames take longer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +33,11 @@ def eased(frames: int) -> FloatArray:
 
 def loop_seconds(frames: int) -> float:
     """Length of a loop of ``frames`` each way."""
-    return SECONDS * (frames + REST) / (FRAMES + REST)
+    return LOOP_SECONDS * (frames + PAUSE_FRAMES) / (WAY_FRAMES + PAUSE_FRAMES)
 
 
 def keyframes(motion: Motion, times: FloatArray) -> Keyframes:
-    """`Motion.pose_at` at all ``times`` (k,) in [0, 1], at once.
+    """Compute `Motion.pose_at` at all ``times`` (k,) in [0, 1] at once.
 
     Between two knots all headings, and the mean of the edges' middles, change evenly. So poses are asked for at the
     knots alone; at the other times the pieces are laid one after another, and then all together where they belong.
@@ -94,16 +79,16 @@ def _middle(origins: FloatArray, edges: FloatArray) -> FloatArray:
     return middle
 
 
-def frame_count(motion: Motion, frames: int = FRAMES) -> int:
-    """Frames of the way, at least so many, for `eased` times between which no piece turns by more than `MAX_TURN`."""
+def frame_count(motion: Motion, frames: int = WAY_FRAMES) -> int:
+    """How many frames one way needs, at least ``frames``, so that between `eased` times no piece turns too far."""
     fine = keyframes(motion, eased(8 * frames)).headings
     fastest = float(np.abs(np.diff(fine, axis=0)).max()) * 8.0
     return max(frames, math.ceil(frames * fastest / MAX_TURN))
 
 
-def swept_box(drawn: Transform, found: Keyframes, margin: float) -> Box:
+def swept_box(drawn: Transform, poses: Keyframes, margin: float) -> Box:
     """The smallest box around all pieces in all poses, and a margin."""
-    boxes = (swept(piece.polygon, found.headings[:, i], found.origins[:, i]) for i, piece in enumerate(drawn.pieces))
+    boxes = (swept(piece.polygon, poses.headings[:, i], poses.origins[:, i]) for i, piece in enumerate(drawn.pieces))
     return around(boxes, margin)
 
 
@@ -124,9 +109,9 @@ def hinge_dot(motion: Motion, hinge: int, x: float, y: float) -> Dot:
 def motion_marks(drawn: Transform, motion: Motion, t: float) -> list[Mark]:
     """The pieces at time t of the motion, hinges on top, the open one as rings at its two ends."""
     pose, n = motion.pose_at(t), len(drawn)
-    places = [(float(x), float(y)) for x, y in pose.origins]
-    marks: list[Mark] = [PlacedPiece(i, *places[i], float(pose.headings[i])) for i in painting_order(motion)]
-    marks += [hinge_dot(motion, i, *places[i]) for i in range(n)]
+    origins = [(float(x), float(y)) for x, y in pose.origins]
+    marks: list[Mark] = [PlacedPiece(i, *origins[i], float(pose.headings[i])) for i in painting_order(motion)]
+    marks += [hinge_dot(motion, i, *origins[i]) for i in range(n)]
     last = (motion.open_hinge - 1) % n
     x, y = pose.origins[last] + drawn.pieces[last].length * direction(float(pose.headings[last]))
     return [*marks, Dot(float(x), float(y), "open")]

@@ -1,4 +1,4 @@
-"""What each picture of a transform shows, as marks in the shape's own frame (unit area, y up). Ours."""
+"""The marks of each picture of a transform, in the shape's own frame (unit area, y up). Ours."""
 
 from __future__ import annotations
 
@@ -8,16 +8,14 @@ import numpy as np
 
 from riot.draw.palette import hue
 from riot.draw.scene import Dot, Line, Mark, PlacedPiece, Region
+from riot.draw.tuning import SKETCH_TOLERANCE
 from riot.geometry.polyline import simplify, simplify_open
 from riot.transform.pose import Pose, direction
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray
 
-DETAIL = 5e-4
-"""Outlines are drawn within this distance of the truth (unit-area shapes): a tenth of a pixel in most pictures."""
 
-
-def sketch(transform: Transform, tolerance: float = DETAIL) -> Transform:
+def sketch(transform: Transform, tolerance: float = SKETCH_TOLERANCE) -> Transform:
     """The transform with the detail that no picture shows left out of its pieces and inputs.
 
     For pictures only: arcs are simplified piece by piece, so it is not exact any more.
@@ -42,8 +40,8 @@ def input_marks(transform: Transform, side: str) -> list[Mark]:
 def deformation_marks(transform: Transform, side: str) -> list[Mark]:
     """The outline that the pieces make, over the input; side "p" or "q"."""
     outline, _ = _input(transform, side)
-    made = transform.outline_p() if side == "p" else transform.outline_q()
-    return [Region((outline,), "silhouette"), Region((made,), "outline")]
+    assembled = transform.outline_p() if side == "p" else transform.outline_q()
+    return [Region((outline,), "silhouette"), Region((assembled,), "outline")]
 
 
 def dissection_marks(transform: Transform, side: str) -> list[Mark]:
@@ -86,7 +84,7 @@ def chain_marks(transform: Transform, open_hinge: int = 0) -> list[Mark]:
 def _input(transform: Transform, side: str) -> tuple[FloatArray, FloatArray]:
     shape = transform.p if side == "p" else transform.q
     trunk = transform.trunk_p if side == "p" else transform.trunk_q
-    kept = simplify(shape.points, DETAIL)
+    kept = simplify(shape.points, SKETCH_TOLERANCE)
     return (shape.points[kept] if len(kept) > 2 else shape.points), trunk
 
 

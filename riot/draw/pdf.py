@@ -14,13 +14,12 @@ from matplotlib.transforms import Affine2D, TransformedPath
 
 from riot.draw.palette import LIGHT, PENS, colour, hue
 from riot.draw.scene import Bitmap, Dot, Label, Line, PlacedPiece, Region, Scene, placed
+from riot.draw.tuning import PDF_WIDTH_MM
 from riot.types import FloatArray
 
 POINTS_PER_MM = 72.0 / 25.4
 """Printer's points, the unit of a PDF file, in a millimetre."""
 
-WIDTH_MM = 254.0
-"""Width of a page without a size of its own."""
 
 _ANCHORS = {"start": 0.0, "middle": 0.5, "end": 1.0}
 
@@ -28,7 +27,7 @@ _ANCHORS = {"start": 0.0, "middle": 0.5, "end": 1.0}
 def pdf_bytes(pages: Sequence[Scene], unit_mm: float | None = None) -> bytes:
     """The scenes as a PDF file of a page each: vector outlines, text that can be searched, the same bytes every time.
 
-    ``unit_mm`` is the length of a scene's unit on paper; without it pages are `WIDTH_MM` wide.
+    ``unit_mm`` is the length of a scene's unit on paper; without it pages are `PDF_WIDTH_MM` wide.
 
     Examples
     --------
@@ -39,7 +38,7 @@ def pdf_bytes(pages: Sequence[Scene], unit_mm: float | None = None) -> bytes:
     file = PdfFile(stream, metadata={"CreationDate": None, "Creator": None, "Producer": None})
     for scene in pages:
         x0, y0, x1, y1 = scene.box
-        points = POINTS_PER_MM * (WIDTH_MM / (x1 - x0) if unit_mm is None else unit_mm)
+        points = POINTS_PER_MM * (PDF_WIDTH_MM / (x1 - x0) if unit_mm is None else unit_mm)
         wide, high = (x1 - x0) * points / 72.0, (y1 - y0) * points / 72.0  # inches
         file.newPage(wide, high)
         renderer = RendererPdf(file, 72.0, high, wide)
@@ -83,8 +82,8 @@ class _Page:
             seam = np.array([[0.0, 0.0], [piece.length, 0.0]])
             self._path(Path(placed(mark, seam)), "seam", pen)
         else:
-            place = Affine2D().scale(mark.scale).rotate(mark.heading).translate(mark.x, mark.y) + self._to_points
-            self._bitmap(image.pixels, image.box, place, TransformedPath(outline, self._to_points))
+            to_points = Affine2D().scale(mark.scale).rotate(mark.heading).translate(mark.x, mark.y) + self._to_points
+            self._bitmap(image.pixels, image.box, to_points, TransformedPath(outline, self._to_points))
             self._path(outline, "cut", pen)
 
     def _path(self, path: Any, name: str, pen: float) -> None:
@@ -99,15 +98,15 @@ class _Page:
         fill = _rgb(colour(look.fill, LIGHT)) if look.fill else None
         self._renderer.draw_path(graphics, path, self._to_points, fill)
 
-    def _bitmap(self, pixels: Any, box: Any, place: Any, clip: Any) -> None:
-        """Paint pixels into a box that ``place`` carries to points; an image of a PDF file has its first row below."""
+    def _bitmap(self, pixels: Any, box: Any, to_points: Any, clip: Any) -> None:
+        """Paint pixels into a box, carried by ``to_points``; an image of a PDF file has its first row below."""
         x0, y0, x1, y1 = box
         graphics = self._renderer.new_gc()
         if clip is not None:
             graphics.set_clip_path(clip)
         flipped = self._flipped.setdefault(id(pixels), pixels[::-1])
         self._renderer.draw_image(
-            graphics, 0.0, 0.0, flipped, Affine2D().scale(x1 - x0, y1 - y0).translate(x0, y0) + place
+            graphics, 0.0, 0.0, flipped, Affine2D().scale(x1 - x0, y1 - y0).translate(x0, y0) + to_points
         )
 
     def _label(self, mark: Label) -> None:

@@ -18,9 +18,7 @@ from PIL import Image
 
 from riot.draw.scene import Scene
 from riot.draw.svg import document
-
-WIDTH = 1600
-"""Pixels across a PNG."""
+from riot.draw.tuning import PNG_WIDTH
 
 _FAMILY = "DejaVu Sans"
 
@@ -36,12 +34,12 @@ def _font_files() -> list[str]:
 _FONT_FILES = _font_files()
 
 
-def png_bytes(scene: Scene, width: int = WIDTH) -> bytes:
+def png_bytes(scene: Scene, width: int = PNG_WIDTH) -> bytes:
     """The scene as a PNG file, ``width`` pixels wide.
 
     Examples
     --------
-    >>> from riot.draw.figure import figure_scene
+    >>> from riot.draw.figure import (figure_scene)
     >>> from riot.groundtruth.pairs import dudeney, exact_transform
     >>> png_bytes(figure_scene(exact_transform(dudeney())), 320)[:4]
     b'\\x89PNG'

@@ -16,20 +16,11 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageColor
 
+from riot.draw.depth_buffer import nearest_triangles
+from riot.draw.tuning import CREASE_COSINE, DARKEST_FACE, EDGE_SHADE, LIGHT_DIRECTION, SUPERSAMPLING
 from riot.types import BoolArray, FloatArray, IntArray
 
 ByteArray = npt.NDArray[np.uint8]
-
-FINER = 2
-"""Pixels are means of so many squared."""
-
-_LIGHT = np.array([-0.45, 0.35, 0.82])
-"""Towards the light: to the right, upwards, to the eye."""
-_DARKEST = 0.42
-_EDGE = 0.35
-_CREASE = math.cos(math.radians(40.0))
-"""Two faces of a body that turn by more from one to the other have an edge between them."""
-_BATCH = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -50,7 +41,7 @@ class Eye:
         x, y, z = points.T
         across, deep = -math.sin(self.azimuth), math.cos(self.azimuth)
         right = across * x + deep * y
-        out = deep * x - across * y  # the part of a point towards the eye on the plane
+        out = deep * x - across * y  # how far a point lies towards the eye on the plane
         up = z * math.cos(self.elevation) - out * math.sin(self.elevation)
         near = out * math.cos(self.elevation) + z * math.sin(self.elevation)
         return np.column_stack([right, up, near])
@@ -129,18 +120,18 @@ def ribbon(start: FloatArray, end: FloatArray, width: float, eye: Eye, colour: s
 
 def render(bodies: Sequence[Body], mm_per_pixel: float, eye: Eye) -> View:
     """Draw some solids; edges between two of them, towards the background, and where a body turns sharply are dark."""
-    step = mm_per_pixel / FINER
+    step = mm_per_pixel / SUPERSAMPLING
     corners = [eye.view(body.points)[body.triangles] for body in bodies]
-    every = np.concatenate([part.reshape(-1, 3) for part in corners])
-    low, high = every.min(axis=0), every.max(axis=0)
+    all_corners = np.concatenate([triangles.reshape(-1, 3) for triangles in corners])
+    low, high = all_corners.min(axis=0), all_corners.max(axis=0)
     # Two pixels of margin, for the edges.
-    columns, rows = (FINER * (math.ceil(length / mm_per_pixel) + 4) for length in (high - low)[:2].tolist())
-    shift = np.array([low[0], low[1], 0.0]) - 2.0 * FINER * step * np.array([1.0, 1.0, 0.0])
+    columns, rows = (SUPERSAMPLING * (math.ceil(length / mm_per_pixel) + 4) for length in (high - low)[:2].tolist())
+    shift = np.array([low[0], low[1], 0.0]) - 2.0 * SUPERSAMPLING * step * np.array([1.0, 1.0, 0.0])
     triangle = nearest_triangles((np.concatenate(corners) - shift) / np.array([step, step, 1.0]), rows, columns)
 
-    owners = np.repeat(np.arange(len(bodies)), [len(part) for part in corners])
+    owners = np.repeat(np.arange(len(bodies)), [len(triangles) for triangles in corners])
     normals = _normals(np.concatenate(corners))
-    bright = _DARKEST + (1.0 - _DARKEST) * np.clip((normals * _LIGHT).sum(axis=1), 0.0, 1.0)
+    bright = DARKEST_FACE + (1.0 - DARKEST_FACE) * np.clip((normals * np.array(LIGHT_DIRECTION)).sum(axis=1), 0.0, 1.0)
     colours = np.array([ImageColor.getrgb(body.colour)[:3] for body in bodies], dtype=np.float64)
     # One colour more, at the end, where index −1 finds it: the background.
     palette = np.append(np.rint(colours[owners] * bright[:, None]), [[255.0] * 3], axis=0).astype(np.uint8)
@@ -156,8 +147,8 @@ def render(bodies: Sequence[Body], mm_per_pixel: float, eye: Eye) -> View:
             image.reshape(-1, 3)[seen[covered]] = pixels
             surface.reshape(-1)[seen[covered]] = number + len(bodies)
     edges = _edges(surface, np.append(normals, [[0.0] * 3], axis=0), triangle)
-    image[edges] = (_EDGE * image[edges]).astype(np.uint8)
-    return View(np.asarray(Image.fromarray(image[::-1]).reduce(FINER)), columns * step, rows * step)
+    image[edges] = (EDGE_SHADE * image[edges]).astype(np.uint8)
+    return View(np.asarray(Image.fromarray(image[::-1]).reduce(SUPERSAMPLING)), columns * step, rows * step)
 
 
 def png_of_view(view: View, margin: int = 0) -> bytes:
@@ -179,66 +170,6 @@ def _normals(corners: FloatArray) -> FloatArray:
     return unit
 
 
-def nearest_triangles(corners: FloatArray, rows: int, columns: int) -> IntArray:
-    """(rows, columns) which of the triangles (f, 3, 3) is seen at each pixel's middle, −1 for none.
-
-    ``corners`` are columns, rows, and how near; a triangle that is clockwise is seen from behind, and not drawn.
-    """
-    depth = np.full(rows * columns, -np.inf)
-    nearest = np.full(rows * columns, -1, dtype=np.int64)
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    front = np.flatnonzero(doubled > 0.0)
-    pixels = np.maximum(
-        1, np.ceil(np.ptp(corners[front, :, 0], axis=1)) * np.ceil(np.ptp(corners[front, :, 1], axis=1))
-    )
-    batch = (np.cumsum(pixels) // _BATCH).astype(np.int64)
-    for number in np.unique(batch).tolist():
-        chosen = front[batch == number]
-        place, near, triangle = _fragments(corners[chosen], doubled[chosen], columns)
-        nearer = near > depth[place]
-        place, near, triangle = place[nearer], near[nearer], chosen[triangle[nearer]]
-        np.maximum.at(depth, place, near)
-        # Backwards, as the last of equal places is what stays: of triangles that are equally near, the first.
-        winners = np.flatnonzero(near == depth[place])[::-1]
-        nearest[place[winners]] = triangle[winners]
-    return nearest.reshape(rows, columns)
-
-
-def _fragments(corners: FloatArray, doubled: FloatArray, columns: int) -> tuple[IntArray, FloatArray, IntArray]:
-    """All middles of pixels in some triangles: which pixel, how near, and which triangle."""
-    first = np.ceil(corners[:, :, 1].min(axis=1) - 0.5).astype(np.int64)
-    count = np.maximum(0, np.floor(corners[:, :, 1].max(axis=1) - 0.5).astype(np.int64) - first + 1)
-    owner, offset = _expanded(count)
-    row = first[owner] + offset
-    left, right = np.full(len(owner), -np.inf), np.full(len(owner), np.inf)
-    y = row + 0.5
-    for k in range(3):
-        start, stop = corners[owner, k], corners[owner, (k + 1) % 3]
-        rise = stop[:, 1] - start[:, 1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = start[:, 0] + (y - start[:, 1]) / rise * (stop[:, 0] - start[:, 0])
-        # Counter-clockwise with rows upwards: what falls is on the left.
-        left = np.where(rise < 0.0, np.maximum(left, at), left)
-        right = np.where(rise > 0.0, np.minimum(right, at), right)
-    begin = np.ceil(left - 0.5).astype(np.int64)
-    width = np.maximum(0, np.floor(right - 0.5).astype(np.int64) - begin + 1)
-    span, along = _expanded(width)
-    triangle, x, y = owner[span], begin[span] + along + 0.5, y[span]
-    origin = corners[triangle, 0]
-    a, b = corners[triangle, 1] - origin, corners[triangle, 2] - origin
-    x, y = x - origin[:, 0], y - origin[:, 1]
-    s, t = (x * b[:, 1] - y * b[:, 0]) / doubled[triangle], (a[:, 0] * y - a[:, 1] * x) / doubled[triangle]
-    near = origin[:, 2] + s * a[:, 2] + t * b[:, 2]
-    return row[span] * columns + begin[span] + along, near, triangle
-
-
-def _expanded(counts: IntArray) -> tuple[IntArray, IntArray]:
-    """For ``counts[i]`` entries of each i: i, and the number of the entry within it."""
-    owner = np.repeat(np.arange(len(counts)), counts)
-    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
-
-
 def _edges(surface: IntArray, normals: FloatArray, triangle: IntArray) -> BoolArray:
     """Pixels of solids that lie beside a pixel of another surface, or of a face that turns away sharply."""
     edges = np.zeros(surface.shape, dtype=np.bool_)
@@ -247,7 +178,7 @@ def _edges(surface: IntArray, normals: FloatArray, triangle: IntArray) -> BoolAr
         differs = surface[first] != surface[second]
         other = np.flatnonzero((triangle[first] != triangle[second]) & ~differs)
         cosine = (normals[triangle[first].ravel()[other]] * normals[triangle[second].ravel()[other]]).sum(axis=1)
-        differs.reshape(-1)[other[cosine < _CREASE]] = True
+        differs.reshape(-1)[other[cosine < CREASE_COSINE]] = True
         edges[first] |= differs
         edges[second] |= differs
     return edges & (surface >= 0)

@@ -12,14 +12,9 @@ from riot.draw.keyframes import motion_marks
 from riot.draw.panels import sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Label, Mark, Scene, extent, moved
+from riot.draw.tuning import CAPTION_LENGTH, STRIP_PENS, STRIP_POSES
 from riot.motion.planner import motion_of
 from riot.transform.transform import Transform
-
-POSES = 7
-"""Poses in a strip."""
-
-_PENS_ACROSS = 1280.0
-_NAME_LENGTH = 28
 
 
 def draw_strip(transform: Transform, path: str | os.PathLike[str], images: PieceImages = NO_IMAGES) -> None:
@@ -40,7 +35,7 @@ def draw_strip(transform: Transform, path: str | os.PathLike[str], images: Piece
     write_scene(Path(path), lambda: strip_scene(transform, images=images))
 
 
-def strip_scene(transform: Transform, poses: int = POSES, images: PieceImages = NO_IMAGES) -> Scene:
+def strip_scene(transform: Transform, poses: int = STRIP_POSES, images: PieceImages = NO_IMAGES) -> Scene:
     """``poses`` ≥ 2 poses at even times of `Transform.motion`, all at one scale, and what the motion needs in words."""
     drawn, motion = sketch(transform), motion_of(transform)
     groups = [motion_marks(drawn, motion, float(t)) for t in np.linspace(0.0, 1.0, poses)]
@@ -48,14 +43,14 @@ def strip_scene(transform: Transform, poses: int = POSES, images: PieceImages = 
     tall = max(y1 - y0 for _, y0, _, y1 in boxes)
     gap = 0.09 * tall
     width = sum(x1 - x0 for x0, _, x1, _ in boxes) + (poses + 1) * gap
-    pen = width / _PENS_ACROSS
+    pen = width / STRIP_PENS
     marks: list[Mark] = []
     x, middles = gap, []
     for group, (x0, y0, x1, y1) in zip(groups, boxes, strict=True):
         marks += moved(group, x - x0, -gap - tall / 2 - (y0 + y1) / 2)
         middles.append(x + (x1 - x0) / 2)
         x += x1 - x0 + gap
-    names = [name[:_NAME_LENGTH] for name in (transform.p.name or "P", transform.q.name or "Q")]
+    names = [name[:CAPTION_LENGTH] for name in (transform.p.name or "P", transform.q.name or "Q")]
     base = -2.0 * gap - tall - 8 * pen
     marks.append(Label(middles[0], base, names[0]))
     marks.append(Label(middles[-1], base, names[1]))

@@ -11,15 +11,16 @@ import hashlib
 import html
 import io
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from riot.draw.palette import LIGHT, PENS, PIECES, Pen, colour, hue
+from riot.draw.palette import LIGHT, hue
 from riot.draw.piece_image import NO_IMAGES, PieceImage, PieceImages
 from riot.draw.scene import Bitmap, Box, Dot, Label, Line, Mark, PlacedPiece, Region, Scene
+from riot.draw.svg_style import file_style, number
 from riot.transform.transform import Piece
 from riot.types import FloatArray
 
@@ -28,8 +29,6 @@ UNITS = 1000
 
 JPEG_QUALITY = 88
 """Of images: a photograph is a tenth of what it is as PNG."""
-
-FONT = "ui-sans-serif, system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
 
 _FORBIDDEN = dict.fromkeys(
     (*range(9), 11, 12, *range(14, 32), 127, *range(0xD800, 0xE000), 0xFFFE, 0xFFFF), "\N{REPLACEMENT CHARACTER}"
@@ -74,7 +73,7 @@ def opening(
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{left} {top} {wide} {high}" width="{width}" '
         f'height="{height}" role="img"><title>{escape(scene.title)}</title>'
-        f"<style>{_file_style(scene.pen, scheme)}{style}</style>"
+        f"<style>{file_style(scene.pen * UNITS, scheme)}{style}</style>"
         f'<rect x="{left}" y="{top}" width="{wide}" height="{high}" fill="{scheme["paper"]}"/>'
         f"{definitions(scene.pieces, prefix, scene.images, codec)}"
     )
@@ -152,7 +151,7 @@ def piece_id(prefix: str, piece: int, side: str = "p", images: PieceImages = NO_
 
 def painted(scene: Scene, prefix: str) -> str:
     """The scene's marks as SVG text."""
-    return "".join(_mark(number, mark, prefix, scene) for number, mark in enumerate(scene.marks))
+    return "".join(_mark(index, mark, prefix, scene) for index, mark in enumerate(scene.marks))
 
 
 def path_data(points: FloatArray, closed: bool = True) -> str:
@@ -172,53 +171,22 @@ def turn(heading: float) -> str:
     return f"{degrees + 0.0:.6g}"
 
 
-def place(x: float, y: float) -> str:
+def translation(x: float, y: float) -> str:
     """A point, y up, as the two numbers of a translation."""
     return f"{_whole(x)} {_whole(-y)}"
 
 
-def page_style() -> str:
-    """Rules for all fragments of a page: colours are variables ``--r-…``, widths are pixels whatever the scale."""
-    # One rule a pen, without ancestors: selectors do not see beyond the shadow tree in which <use> shows a piece.
-    rules = (_rule(name, pen, 1.0, lambda token: f"var(--r-{token})") for name, pen in PENS.items())
-    return "".join(rule.replace("}", ";vector-effect:non-scaling-stroke}") for rule in rules)
-
-
-def page_colours(scheme: Mapping[str, str]) -> str:
-    """The values of the variables that `page_style` uses."""
-    tokens = dict(scheme) | {f"piece{k}": value for k, value in enumerate(PIECES)}
-    return "".join(f"--r-{token}:{value};" for token, value in tokens.items())
-
-
-def _file_style(pen: float, scheme: Mapping[str, str]) -> str:
-    rules = [f"text{{font-family:{FONT}}}", "image{image-rendering:smooth}"]
-    rules += [_rule(name, value, pen * UNITS, lambda token: colour(token, scheme)) for name, value in PENS.items()]
-    return "".join(rules)
-
-
-def _rule(name: str, pen: Pen, unit: float, paint: Callable[[str], str]) -> str:
-    parts = [f"fill:{paint(pen.fill) if pen.fill else 'none'}"]
-    if pen.stroke:
-        parts += [f"stroke:{paint(pen.stroke)}", f"stroke-width:{_number(pen.width * unit)}"]
-        parts += ["stroke-linejoin:round", "stroke-linecap:round"]
-    if pen.dash:
-        parts.append(f"stroke-dasharray:{' '.join(_number(step * unit) for step in pen.dash)}")
-    if pen.opacity < 1.0:
-        parts.append(f"opacity:{_number(pen.opacity)}")
-    return f".r-{name}{{{';'.join(parts)}}}"
-
-
-def _mark(number: int, mark: Mark, prefix: str, scene: Scene) -> str:
+def _mark(index: int, mark: Mark, prefix: str, scene: Scene) -> str:
     if isinstance(mark, Region):
         return f'<path class="r-{mark.pen}" d="{_rings(mark.rings)}"/>'
     if isinstance(mark, Line):
         return f'<path class="r-{mark.pen}" d="{path_data(mark.points, closed=False)}"/>'
     if isinstance(mark, PlacedPiece):
-        scaled = "" if mark.scale == 1.0 else f"scale({_number(mark.scale)})"
-        moves = f"translate({place(mark.x, mark.y)})rotate({turn(mark.heading)}){scaled}"
+        scaled = "" if mark.scale == 1.0 else f"scale({number(mark.scale)})"
+        moves = f"translate({translation(mark.x, mark.y)})rotate({turn(mark.heading)}){scaled}"
         return f'<use href="#{piece_id(prefix, mark.piece, mark.side, scene.images)}" transform="{moves}"/>'
     if isinstance(mark, Bitmap):
-        return _image(mark.pixels, mark.box, _rings(mark.clip or ()), f"{prefix}b{number}", "PNG")
+        return _image(mark.pixels, mark.box, _rings(mark.clip or ()), f"{prefix}b{index}", "PNG")
     if isinstance(mark, Dot):
         return dot(mark, scene.pen)
     return _label(mark, scene.pen)
@@ -249,7 +217,3 @@ def _view(scene: Scene) -> tuple[int, int, int, int]:
 
 def _whole(value: float) -> int:
     return round(value * UNITS)
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}"

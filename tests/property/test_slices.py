@@ -15,7 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from riot.draw.solid import Body, Eye, nearest_triangles, prisms, render
+from riot.draw.depth_buffer import nearest_triangles
+from riot.draw.solid import Body, Eye, prisms, render
 from riot.slices import Cut, Model, ModelError, cut
 from riot.slices.assign import assign
 from riot.slices.cut import AXES, Axis, section

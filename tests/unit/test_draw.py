@@ -10,12 +10,13 @@ import pytest
 from PIL import Image
 
 from riot.draw import animate_svg, draw_transform
-from riot.draw.figure import STRIP_TIMES, figure_scene
-from riot.draw.keyframes import FRAMES, MAX_TURN, eased, frame_count, keyframes, motion_marks, swept_box
+from riot.draw.figure import figure_scene
+from riot.draw.keyframes import eased, frame_count, keyframes, motion_marks, swept_box
 from riot.draw.palette import DARK, LIGHT, PENS, PIECES, colour, hue
-from riot.draw.panels import DETAIL, chain_marks, pose_marks, sketch
+from riot.draw.panels import chain_marks, pose_marks, sketch
 from riot.draw.scene import PlacedPiece, around, extent, moved, placed
 from riot.draw.svg import document, escape, path_data, turn
+from riot.draw.tuning import FIGURE_TIMES, MAX_TURN, SKETCH_TOLERANCE, WAY_FRAMES
 from riot.errors import RiotError
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import motion_of
@@ -70,7 +71,7 @@ def test_a_sketch_stays_within_its_tolerance(transform):
         assert len(thin.polygon) <= len(piece.polygon)
         for arc, line in ((piece.lower, thin.lower), (piece.upper, thin.upper)):
             assert np.array_equal(arc[[0, -1]], line[[0, -1]])
-            assert max(distance_to(line, point) for point in arc) <= DETAIL * 1.001
+            assert max(distance_to(line, point) for point in arc) <= SKETCH_TOLERANCE * 1.001
 
 
 def distance_to(line, point):
@@ -99,7 +100,7 @@ def test_a_figure_shows_every_piece_in_every_state(transform):
     root = ET.fromstring(document(figure_scene(transform)))
     n = len(transform)
     uses = [use.get("href") for use in root.iter(f"{SVG}use")]
-    states = 2 + 1 + len(STRIP_TIMES)  # two dissections, the chain, the poses
+    states = 2 + 1 + len(FIGURE_TIMES)  # two dissections, the chain, the poses
     assert len(uses) == n * states
     defined = [group.get("id") for group in root.find(f"{SVG}defs")]
     assert len(defined) == n
@@ -206,13 +207,13 @@ class TestKeyframes:
         assert np.allclose(found.origins, [pose.origins for pose in poses], rtol=0.0, atol=1e-12)
 
     def test_counts_the_frames_of_the_poses_one_by_one(self, motion):
-        for least in (1, 10, FRAMES):
+        for least in (1, 10, WAY_FRAMES):
             fine = [motion.pose_at(float(t)).headings for t in eased(8 * least)]
             fastest = np.abs(np.diff(fine, axis=0)).max() * 8.0
             assert frame_count(motion, least) == max(least, int(np.ceil(least * fastest / MAX_TURN)))
 
     def test_its_frame_is_that_of_the_marks_of_every_pose(self, transform, motion):
-        drawn, times = sketch(transform), eased(FRAMES)
+        drawn, times = sketch(transform), eased(WAY_FRAMES)
         marks = [motion_marks(drawn, motion, float(t)) for t in times]
         plain = around((extent(found, drawn.pieces) for found in marks), 0.05)
         assert swept_box(drawn, keyframes(motion, times), 0.05) == pytest.approx(plain, rel=0.0, abs=1e-12)
@@ -271,7 +272,7 @@ class TestAnimation:
         assert len(still) == len(transform)
 
     def test_easing_is_slow_at_both_ends_and_symmetric(self):
-        times = eased(FRAMES)
+        times = eased(WAY_FRAMES)
         assert times[0] == 0.0 and times[-1] == 1.0
         assert np.all(np.diff(times) > 0)
         assert np.allclose(times + times[::-1], 1.0)

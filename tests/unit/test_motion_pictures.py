@@ -17,10 +17,11 @@ from riot import RiotError, Transform
 from riot.cli.main import main
 from riot.draw import animate_svg, draw_strip, write_film
 from riot.draw.film import MODULE, FilmError
-from riot.draw.keyframes import MAX_TURN, SECONDS, eased, frame_count, loop_seconds, motion_marks, painting_order
+from riot.draw.keyframes import eased, frame_count, loop_seconds, motion_marks, painting_order
 from riot.draw.panels import sketch
 from riot.draw.scene import Dot, PlacedPiece, extent
-from riot.draw.strip import POSES, strip_scene
+from riot.draw.strip import strip_scene
+from riot.draw.tuning import LOOP_SECONDS, MAX_TURN, STRIP_POSES
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import Motion, plan_motion
 from riot.transform.tuning import LIFT
@@ -78,7 +79,7 @@ def test_animation_turns_the_pieces_as_the_plan_does(made: Transform) -> None:
     assert moving is not None
     for row, i in zip(moving, painting_order(motion), strict=True):
         _, rotation = row.iter(f"{SVG}animateTransform")
-        assert float(rotation.get("dur", "")[:-1]) >= 0.99 * SECONDS
+        assert float(rotation.get("dur", "")[:-1]) >= 0.99 * LOOP_SECONDS
         shown = {float(value) for value in rotation.get("values", "").split(";")}
         for t in eased(frames):
             angle = -np.degrees(motion.pose_at(float(t)).headings[i])
@@ -92,14 +93,14 @@ def test_a_strip_shows_every_piece_in_every_pose(made: Transform, tmp_path: Path
             draw_strip(made, tmp_path / f"{name}.{suffix}")
         assert (tmp_path / f"a.{suffix}").read_bytes() == (tmp_path / f"b.{suffix}").read_bytes()
     root = ET.fromstring((tmp_path / "a.svg").read_text(encoding="utf-8"))
-    assert len(list(root.iter(f"{SVG}use"))) == 4 * POSES
+    assert len(list(root.iter(f"{SVG}use"))) == 4 * STRIP_POSES
     assert any("swings flat" in (text.text or "") for text in root.iter(f"{SVG}text"))
 
 
 def test_the_poses_of_a_strip_do_not_overlap(made: Transform) -> None:
     scene = strip_scene(made)
     parts = [mark for mark in scene.marks if isinstance(mark, PlacedPiece)]
-    boxes = [extent(parts[4 * k : 4 * k + 4], scene.pieces) for k in range(POSES)]
+    boxes = [extent(parts[4 * k : 4 * k + 4], scene.pieces) for k in range(STRIP_POSES)]
     assert all(before[2] < after[0] for before, after in pairwise(boxes))
     assert all(scene.box[1] < y0 < y1 < scene.box[3] for _, y0, _, y1 in boxes)
     assert scene.box[0] < boxes[0][0] and boxes[-1][2] < scene.box[2]

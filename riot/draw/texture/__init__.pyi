@@ -1,5 +1,7 @@
 from . import names as names
+from . import outline_match as outline_match
 from . import paint as paint
 from . import sample as sample
 from . import source as source
+from . import triangulation as triangulation
 from . import warp as warp

@@ -1,4 +1,4 @@
-"""Texture: the colour of every place of a made shape, from a picture of the input, a pattern or plain (theory §9).
+"""Textures: the colour of every point of an assembled shape, from a picture, a pattern or plain (theory §9).
 
 P's texture is on the pieces' front, Q's on their back. Turned over, the assembled Q is seen mirrored, outline and
 texture alike: what is glued or printed on the back is drawn mirrored. Ours.
@@ -21,20 +21,19 @@ from riot.draw.palette import PIECES, hue
 from riot.draw.texture.names import PATTERNS, SIDES, Pattern, Side
 from riot.draw.texture.source import ByteArray, load_picture
 from riot.draw.texture.warp import Warp, warp_side
+from riot.draw.tuning import BANDS_CELL, PATTERN_WIDTH
 
 if TYPE_CHECKING:
     from riot.geometry.shape import Shape
     from riot.transform.transform import Transform
     from riot.types import FloatArray
 
-PATTERN_WIDTH = 0.06
-"""Of a band, stripe or check, in the unit-area frame."""
 
 _TINTS = {"p": ("#f2c14e", "#d1495b"), "q": ("#9bd1c6", "#2e6f95")}
 
 
 class Texture(Protocol):
-    """The colour of every place of a made shape."""
+    """The colour of every point of an assembled shape."""
 
     def colours(self, piece: int, xy: FloatArray, step: float) -> ByteArray:
         """(k, 3) red, green, blue at (k, 2) points of the assembled shape, in the shape's frame (unit area, y up).
@@ -92,12 +91,12 @@ class PatternTexture:
         """Distance from the outline, on a raster fine enough for smooth bands."""
         low, cell, raster = self._raster
         at = (xy - low) / cell
-        found: FloatArray = ndimage.map_coordinates(raster, [at[:, 1], at[:, 0]], order=1, mode="nearest")
-        return found
+        depth: FloatArray = ndimage.map_coordinates(raster, [at[:, 1], at[:, 0]], order=1, mode="nearest")
+        return depth
 
     @cached_property
     def _raster(self) -> tuple[FloatArray, float, FloatArray]:
-        cell = PATTERN_WIDTH / 16.0
+        cell = BANDS_CELL
         low = self.outline.min(axis=0) - 2 * cell
         columns, rows = np.ceil((self.outline.max(axis=0) - low) / cell + 3).astype(int)
         x, y = np.meshgrid(low[0] + cell * np.arange(columns), low[1] + cell * np.arange(rows))
@@ -115,9 +114,9 @@ class PictureTexture:
     pixels : (rows, columns, 3) uint8
         The picture; beyond the object the colours of its rim go on (`load_picture`).
     shape : Shape
-        The input, which knows its place in the picture.
+        The input, which knows its position in the picture.
     warp : Warp
-        From the made shape to the input.
+        From the assembled shape to the input.
     """
 
     pixels: ByteArray
@@ -132,11 +131,11 @@ class PictureTexture:
         pixels = self._reduced(factor)
         # Of a reduced picture a value stands in the middle of its block.
         rows, columns = ((at[:, axis] - (factor - 1) / 2.0) / factor for axis in (1, 0))
-        found = [
+        channels = [
             ndimage.map_coordinates(pixels[..., k], [rows, columns], output=np.float64, order=1, mode="nearest")
             for k in range(3)
         ]
-        return np.rint(np.stack(found, axis=1)).astype(np.uint8)
+        return np.rint(np.stack(channels, axis=1)).astype(np.uint8)
 
     def _reduced(self, factor: int) -> ByteArray:
         return np.asarray(Image.fromarray(self.pixels).reduce(factor)) if factor > 1 else self.pixels
@@ -154,13 +153,13 @@ def find_textures(
     `picture_texture` and `pattern_texture`.
     """
     masks = masks or {}
-    found: dict[Side, Texture] = {}
+    textures: dict[Side, Texture] = {}
     for side in SIDES:
         if side in pictures:
-            found[side] = picture_texture(pictures[side], transform, side, masks.get(side))
+            textures[side] = picture_texture(pictures[side], transform, side, masks.get(side))
         elif pattern is not None:
-            found[side] = pattern_texture(pattern, transform, side)
-    return found
+            textures[side] = pattern_texture(pattern, transform, side)
+    return textures
 
 
 def picture_texture(

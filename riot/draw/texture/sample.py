@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from riot.draw.piece_image import PieceImage, PieceImages
+from riot.draw.tuning import IMAGE_PIXEL, IMAGE_RIM
 
 if TYPE_CHECKING:
     from riot.draw.texture.names import Side
@@ -17,11 +18,8 @@ if TYPE_CHECKING:
     from riot.transform.transform import Transform
     from riot.types import FloatArray
 
-STEP = 1.0 / 240.0
-"""Side of an image's pixel, in units of the unit-area shape: about a pixel of a page's pictures."""
 
-
-def piece_images(transform: Transform, textures: Mapping[Side, Texture], step: float = STEP) -> PieceImages:
+def piece_images(transform: Transform, textures: Mapping[Side, Texture], step: float = IMAGE_PIXEL) -> PieceImages:
     """Every piece's image for the sides that have a texture, in pixels of side ``step`` (unit-area frame).
 
     P's is what is seen of the pieces from the front, at all moments of the motion; Q's is on their back, and is given
@@ -32,15 +30,15 @@ def piece_images(transform: Transform, textures: Mapping[Side, Texture], step: f
 
 def _sampled(transform: Transform, side: Side, texture: Texture, step: float) -> tuple[PieceImage, ...]:
     pose = transform.pose(0.0 if side == "p" else 1.0)
-    found = []
+    images = []
     for i, piece in enumerate(transform.pieces):
 
         def colours(points: FloatArray, i: int = i) -> ByteArray:
             return texture.colours(i, pose.place(i, points), step)
 
-        # A rim of two pixels: what writers smooth at the edge must not be white.
-        found.append(PieceImage(*sample_region(shapely.Polygon(piece.polygon).buffer(2.0 * step), step, colours)))
-    return tuple(found)
+        region = shapely.Polygon(piece.polygon).buffer(IMAGE_RIM * step)
+        images.append(PieceImage(*sample_region(region, step, colours)))
+    return tuple(images)
 
 
 def sample_region(

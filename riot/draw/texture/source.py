@@ -11,6 +11,7 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw
 from scipy import ndimage
 
+from riot.draw.tuning import CHECK_SIDE, LEAST_OVERLAP, MAX_PICTURE_PIXELS, MIXED_RIM
 from riot.errors import RiotError
 from riot.geometry.picture import decode
 from riot.geometry.silhouette import read
@@ -20,17 +21,6 @@ if TYPE_CHECKING:
     from riot.types import BoolArray, FloatArray
 
 ByteArray = npt.NDArray[np.uint8]
-
-MAX_PIXELS = 64_000_000
-"""A picture with more pixels is refused."""
-
-LEAST_MATCH = 0.9
-"""Least IoU of a picture's opaque part, holes filled, with the shape's outline."""
-
-MIXED = 2
-"""Without transparency so many pixels at the rim have something of the background's colour, and are not used."""
-
-_CHECK_SIDE = 1024
 
 
 class TextureError(RiotError, ValueError):
@@ -62,7 +52,7 @@ def load_picture(path: str | os.PathLike[str], shape: Shape, mask: str | os.Path
         another size than the picture the shape was read from, or another picture.
     """
     where = Path(path)
-    transparent = decode(where, MAX_PIXELS).opaque_object
+    transparent = decode(where, MAX_PICTURE_PIXELS).opaque_object
     with Image.open(where) as image:
         rgba = np.asarray(image.convert("RGBA"))
     if transparent:
@@ -83,19 +73,19 @@ def load_picture(path: str | os.PathLike[str], shape: Shape, mask: str | os.Path
 
 def _masked(where: Path, size: tuple[int, int], mask: Path, shape: Shape) -> BoolArray:
     """(rows, columns) the object of a mask, which must be the shape's and of this width and height; less its rim."""
-    decode(mask, MAX_PIXELS)
+    decode(mask, MAX_PICTURE_PIXELS)
     with Image.open(mask) as image:
-        found = image.size
-    if found != size:
+        mask_size = image.size
+    if mask_size != size:
         raise TextureError(
             "other-size",
-            f"{where}: the picture is {size[0]} × {size[1]} pixels, its mask {mask} {found[0]} × {found[1]}; "
+            f"{where}: the picture is {size[0]} × {size[1]} pixels, its mask {mask} {mask_size[0]} × {mask_size[1]}; "
             "scale one to the size of the other",
         )
     own = read(mask)
     _refuse_other(mask, _drawn(own.source(own.points), size), shape)
     whole = _drawn(shape.source(shape.points), size)
-    inner: BoolArray = ndimage.binary_erosion(whole, iterations=MIXED)
+    inner: BoolArray = ndimage.binary_erosion(whole, iterations=MIXED_RIM)
     return inner if inner.any() else whole
 
 
@@ -107,21 +97,21 @@ def _drawn(outline: FloatArray, size: tuple[int, int]) -> BoolArray:
 
 
 def _refuse_other(where: Path, opaque: BoolArray, shape: Shape) -> None:
-    """Refuse a picture whose object is not the shape in its own place."""
+    """Refuse a picture whose object is not the shape at its own position."""
     outline = shape.source(shape.points)
     wanted = np.ptp(outline, axis=0)
     rows, columns = np.flatnonzero(opaque.any(axis=1)), np.flatnonzero(opaque.any(axis=0))
-    found = (int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1) if len(rows) else (0, 0)
-    factor = max(1, max(opaque.shape) // _CHECK_SIDE)
+    object_size = (int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1) if len(rows) else (0, 0)
+    factor = max(1, max(opaque.shape) // CHECK_SIDE)
     thin = ndimage.binary_fill_holes(opaque[factor // 2 :: factor, factor // 2 :: factor])
     drawn = _drawn((outline - factor // 2) / factor, (thin.shape[1], thin.shape[0]))
     union = int((thin | drawn).sum())
-    if union and int((thin & drawn).sum()) >= LEAST_MATCH * union:
+    if union and int((thin & drawn).sum()) >= LEAST_OVERLAP * union:
         return
     who = shape.name or "the shape"
     raise TextureError(
         "other-shape",
-        f"{where}: its object is {found[0]} × {found[1]} pixels, and {who} was read from one of "
+        f"{where}: its object is {object_size[0]} × {object_size[1]} pixels, and {who} was read from one of "
         f"{wanted[0]:.0f} × {wanted[1]:.0f}, or elsewhere in its picture, or of another outline; "
         "give the same picture, with colours, in the same size",
     )
