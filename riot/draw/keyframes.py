@@ -9,10 +9,9 @@ import numpy as np
 
 from riot.draw.scene import Box, Dot, Mark, PlacedPiece, around, swept
 from riot.draw.tuning import LIFTING_RADIUS, LOOP_SECONDS, MAX_TURN, PAUSE_FRAMES, WAY_FRAMES
-from riot.transform.motion import Motion
+from riot.transform.motion import LIFT, Motion
 from riot.transform.pose import direction
 from riot.transform.transform import Transform
-from riot.transform.tuning import LIFT
 from riot.types import FloatArray
 
 

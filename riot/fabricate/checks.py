@@ -18,7 +18,7 @@ from riot.fabricate.model import Design, HingeEnd, PieceDesign, Slab
 from riot.fabricate.outlines import disc, mends, narrowest
 from riot.fabricate.solid import Part, genus
 from riot.fabricate.sub_chains import SubChain, sub_chains
-from riot.transform.tuning import LIFT
+from riot.transform.motion import LIFT
 from riot.types import FloatArray
 
 LENGTH_TOLERANCE = 2e-3

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.transform.motion import Motion
-from riot.transform.tuning import LIFT
+from riot.transform.motion import LIFT, Motion
 from riot.types import FloatArray, IntArray
 
 STEP = math.radians(2.0)

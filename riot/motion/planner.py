@@ -15,13 +15,12 @@ import numpy as np
 from riot.motion.bodies import Bodies, make_bodies
 from riot.motion.search import Subchain, find_path
 from riot.parameters import MotionParameters as MotionParameters
-from riot.transform.motion import SEARCHES
+from riot.transform.motion import LIFT, SEARCHES
 from riot.transform.motion import Attempt as Attempt
 from riot.transform.motion import Motion as Motion
 from riot.transform.pose import Chain
 from riot.transform.transform import Transform
 from riot.transform.transform_cache import once_per_transform
-from riot.transform.tuning import LIFT
 from riot.types import FloatArray, IntArray
 
 

@@ -9,12 +9,18 @@ from functools import cached_property
 import numpy as np
 
 from riot.transform.pose import Chain, Placement, Pose, swing
-from riot.transform.tuning import LIFT
 from riot.types import FloatArray, IntArray
 
 SEARCHES = ("together", "one by one", "through the straight chain", "straight, one by one", "sampled")
 """How hinges turn, by name, the calmest first: all evenly from P to Q; one after another in some order; all to the
 straight chain and on; one after another with a stop when straight; from pose to pose between random ones."""
+
+
+LIFT = 0.1
+"""Share of the whole time for lifting, and as much for lowering, if hinges lift (ours).
+
+It stands here and not with the numbers of certificates, on which constructions depend.
+"""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Numbers of certificates, of measures of deformation and of motions: unit, meaning and source of each. All ours.
+"""Numbers of certificates and of measures of deformation: unit, meaning and source of each. All ours.
 
 A result compares with another only if both use the same numbers, so no user sets them. Lengths and areas are those of
 unit-area shapes.
@@ -47,8 +47,3 @@ DISPLACEMENT_WINDOW = L_C / 15
 
 LONE_STEP_COST = 0.1
 """Radians: cost of a step on one outline only, so that outlines correspond evenly where directions do not tell."""
-
-# Motion (theory §9)
-
-LIFT = 0.1
-"""Share of the whole time for lifting, and as much for lowering, if hinges lift."""

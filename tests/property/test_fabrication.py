@@ -28,8 +28,7 @@ from riot.fabricate.telescope import make_telescope
 from riot.geometry.polyline import extent, signed_area
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters import allowed_range
-from riot.transform.motion import Motion
-from riot.transform.tuning import LIFT
+from riot.transform.motion import LIFT, Motion
 
 PAIRS = ((3, 1), (5, 1), (6, 2))
 

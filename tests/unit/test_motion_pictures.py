@@ -24,7 +24,7 @@ from riot.draw.strip import strip_scene
 from riot.draw.tuning import LOOP_SECONDS, MAX_TURN, STRIP_POSES
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import Motion, plan_motion
-from riot.transform.tuning import LIFT
+from riot.transform.motion import LIFT
 
 SVG = "{http://www.w3.org/2000/svg}"
 

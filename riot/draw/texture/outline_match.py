@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from riot.draw.tuning import LEAST_MATCH_STEPS, MATCH_STEP, SLIVER_SHARE, SMOOTHING_REACH, STRETCH_COST, WARP_SPACING
+from riot.draw.texture.tuning import (
+    LEAST_MATCH_STEPS,
+    MATCH_STEP,
+    SLIVER_SHARE,
+    SMOOTHING_REACH,
+    STRETCH_COST,
+    WARP_SPACING,
+)
 from riot.errors import RiotError
 from riot.geometry.polyline import arc_length, at_length
 

@@ -20,8 +20,8 @@ from scipy import ndimage
 from riot.draw.palette import PIECES, hue
 from riot.draw.texture.names import PATTERNS, SIDES, Pattern, Side
 from riot.draw.texture.source import ByteArray, load_picture
+from riot.draw.texture.tuning import BANDS_CELL, PATTERN_WIDTH
 from riot.draw.texture.warp import Warp, warp_side
-from riot.draw.tuning import BANDS_CELL, PATTERN_WIDTH
 
 if TYPE_CHECKING:
     from riot.geometry.shape import Shape

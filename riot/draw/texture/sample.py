@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from riot.draw.piece_image import PieceImage, PieceImages
-from riot.draw.tuning import IMAGE_PIXEL, IMAGE_RIM
+from riot.draw.texture.tuning import IMAGE_PIXEL, IMAGE_RIM
 
 if TYPE_CHECKING:
     from riot.draw.texture.names import Side

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw
 from scipy import ndimage
 
-from riot.draw.tuning import CHECK_SIDE, LEAST_OVERLAP, MAX_PICTURE_PIXELS, MIXED_RIM
+from riot.draw.texture.tuning import CHECK_SIDE, LEAST_OVERLAP, MAX_PICTURE_PIXELS, MIXED_RIM
 from riot.errors import RiotError
 from riot.geometry.picture import decode
 from riot.geometry.silhouette import read

@@ -9,7 +9,7 @@ import shapely
 from scipy.spatial import Delaunay
 
 from riot.draw.texture.outline_match import WarpError
-from riot.draw.tuning import OUTLINE_DISTANCE, SPLIT_ROUNDS, WARP_SPACING
+from riot.draw.texture.tuning import OUTLINE_DISTANCE, SPLIT_ROUNDS, WARP_SPACING
 
 if TYPE_CHECKING:
     from riot.types import FloatArray, IntArray

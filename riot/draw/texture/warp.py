@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 from riot.draw.texture.outline_match import WarpError as WarpError
 from riot.draw.texture.outline_match import match_outlines
 from riot.draw.texture.triangulation import barycentric, signed_areas, triangulate
-from riot.draw.tuning import LEAST_AREA_RATIO, UNFOLD_SWEEPS
+from riot.draw.texture.tuning import LEAST_AREA_RATIO, UNFOLD_SWEEPS
 from riot.geometry.polyline import is_simple
 
 if TYPE_CHECKING:
