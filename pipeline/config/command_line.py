@@ -26,7 +26,7 @@ NAME_LENGTH = 200
 
 
 def complete(arguments: Sequence[str]) -> list[str]:
-    """Spell out what the command line leaves unsaid: flags of ours as values, ``+`` before ``dataset=``, the sample.
+    """Write a command line as Hydra reads it: our flags become values, ``dataset=`` gets its ``+``, or the sample is added.
 
     >>> complete(["--plan", "dataset=folder", "dataset.root=pictures"])
     ['plan=true', '+dataset=folder', 'dataset.root=pictures']
@@ -36,9 +36,9 @@ def complete(arguments: Sequence[str]) -> list[str]:
     spelled = [SUGAR.get(argument, argument) for argument in arguments]
     spelled = ["+" + argument if argument.startswith("dataset=") else argument for argument in spelled]
     if not any(argument.startswith("+dataset=") for argument in spelled):
-        last = max((place for place, argument in enumerate(spelled) if _is_value(argument)), default=len(spelled) - 1)
+        last = max((index for index, argument in enumerate(spelled) if _is_value(argument)), default=len(spelled) - 1)
         spelled.insert(last + 1, NO_DATASET)
-    # Hydra's parser takes values in one sequence only, so that flags go first.
+    # Hydra's parser reads values only where no flag stands between them.
     return sorted(spelled, key=lambda argument: not argument.startswith("-")) if is_plain(spelled) else spelled
 
 
@@ -48,14 +48,17 @@ def is_multirun(arguments: Sequence[str]) -> bool:
 
 
 def is_plain(arguments: Sequence[str]) -> bool:
-    """Whether all flags are known here; with any other (``--help``, ``--cfg`` …) the command is Hydra's alone."""
+    """Whether all flags are ours; with another one (``--cfg``, ``--hydra-help`` …) Hydra alone reads the command."""
     return all(argument in SWEEP or not argument.startswith("-") for argument in arguments)
 
 
 def check_command(arguments: Sequence[str]) -> Config:
     """The typed configuration of a command line; of a sweep, that of its first point.
 
-    Raises `ConfigError` for an unknown name or group, or a wrong type or value, of a sweep in any of its values.
+    Raises `ConfigError` for an unknown name or choice, and for a wrong type or value: of a sweep, for any of its values.
+
+    >>> check_command(complete(["select.top=3"])).select.top
+    3
     """
     overrides = _parse(arguments)
     for override in overrides:
@@ -63,37 +66,53 @@ def check_command(arguments: Sequence[str]) -> Config:
     _check_dataset(overrides)
     if not is_multirun(arguments):
         return _compose([str(override.input_line) for override in overrides])
-    values = [_values(override) for override in overrides]
-    first = [of[0] for of in values]
-    config = _compose(first)
-    for place, of in enumerate(values):
-        for other in of[1:]:
-            _compose([*first[:place], other, *first[place + 1 :]])
+    alternatives = [_values(override) for override in overrides]
+    first_point = [lines[0] for lines in alternatives]
+    config = _compose(first_point)
+    for index, lines in enumerate(alternatives):
+        for line in lines[1:]:
+            _compose([*first_point[:index], line, *first_point[index + 1 :]])
     return config
 
 
 def swept_over(arguments: Sequence[str]) -> frozenset[str]:
-    """Names of the parameters and groups that a command line sweeps over."""
+    """Names of the parameters and groups that a command line sweeps over.
+
+    >>> swept_over(["-m", "batch=8,16", "select=paper"])
+    frozenset({'batch'})
+    """
     return frozenset(override.key_or_group for override in _parse(arguments) if override.is_sweep_override())
 
 
 def sweep_values(arguments: Sequence[str], chosen: Sequence[str]) -> dict[str, bool | int | float | str | None]:
-    """Value of everything that ``arguments`` sweep over in the job whose overrides are ``chosen``, by name."""
+    """Values of the parameters that ``arguments`` sweep over, by name, in the job whose overrides are ``chosen``.
+
+    >>> sweep_values(["-m", "batch=8,16", "select=paper,global"], ["batch=8", "select=paper"])
+    {'batch': 8, 'select': 'paper'}
+    """
     swept = swept_over(arguments)
-    values = {one.key_or_group: one.value() for one in _parse(chosen) if one.key_or_group in swept}
-    return {name: one if isinstance(one, bool | int | float | None) else str(one) for name, one in values.items()}
+    values = {override.key_or_group: override.value() for override in _parse(chosen)}
+    return {
+        name: value if isinstance(value, bool | int | float | None) else str(value)
+        for name, value in values.items()
+        if name in swept
+    }
 
 
 def sweep_point(arguments: Sequence[str], chosen: Sequence[str]) -> str:
     """Folder name of one point of a sweep: those of its ``chosen`` overrides that ``arguments`` sweep over.
 
-    Data sets and outputs have folders of their own, and are left out; empty when nothing else is swept over. What a
-    folder cannot be named is replaced, and told apart by a digest.
+    Data sets and outputs have folders of their own and are left out; the name is empty if nothing else is swept over.
+    If characters of the overrides cannot stand in the name of a folder, others replace them, and a digest follows.
+
+    >>> sweep_point(["-m", "batch=8,16", "+dataset=sample,folder"], ["batch=8", "+dataset=folder"])
+    'batch=8'
     """
-    kept = swept_over(arguments) - {"dataset", "dataset.name", "outputs"}
-    whole = ",".join(one.lstrip("+") for one in chosen if one.lstrip("+").partition("=")[0] in kept)
-    named = re.sub(r"[^\w.=,+-]+", "-", whole)[:NAME_LENGTH]
-    return named if named == whole else f"{named}~{digest_text(whole)[:8]}"
+    named_parameters = swept_over(arguments) - {"dataset", "dataset.name", "outputs"}
+    overrides = [override.lstrip("+") for override in chosen]
+    full_name = ",".join(override for override in overrides if override.partition("=")[0] in named_parameters)
+    name = re.sub(r"[^\w.=,+-]+", "-", full_name)[:NAME_LENGTH]
+    return name if name == full_name else f"{name}~{digest_text(full_name)[:8]}"
 
 
 def _is_value(argument: str) -> bool:
@@ -102,7 +121,7 @@ def _is_value(argument: str) -> bool:
 
 def _parse(arguments: Sequence[str]) -> list[Override]:
     try:
-        return OverridesParser.create().parse_overrides([one for one in arguments if one not in SWEEP])
+        return OverridesParser.create().parse_overrides([argument for argument in arguments if argument not in SWEEP])
     except HydraException as error:
         raise ConfigError(f"cannot read the command line, a list of name=value: {error}") from error
 
@@ -116,7 +135,7 @@ def _compose(lines: list[str]) -> Config:
 
 
 def make_typed(composed: DictConfig) -> Config:
-    """Turn Hydra's configuration into ours at once; raises `ConfigError`."""
+    """Make the typed configuration of Hydra's; raises `ConfigError`."""
     try:
         values = OmegaConf.to_container(composed, resolve=True, throw_on_missing=True)
     except OmegaConfBaseException as error:
@@ -148,7 +167,7 @@ def _check_dataset(overrides: Sequence[Override]) -> None:
 
 
 def _values(override: Override) -> list[str]:
-    """An override for each value that it sweeps over; itself, if it does not."""
+    """An override for each value of a sweep, or the one override that is no sweep."""
     if not override.is_sweep_override():
         return [str(override.input_line)]
     prefix = "+" if override.is_add() else ""
