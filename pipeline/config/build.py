@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-import typing
-from collections.abc import Hashable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Mapping
+from typing import Any, TypeVar, get_type_hints
 
 from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
-from riot.parameters.field import check_value, describe, type_hints
+from riot.errors import ParameterError
+from riot.parameters.field import ParameterGroup, describe
 
-T = TypeVar("T")
+Group = TypeVar("Group", bound=ParameterGroup)
 
 
 def make_config(values: Mapping[str, Any]) -> Config:
@@ -26,8 +26,8 @@ def make_config(values: Mapping[str, Any]) -> Config:
     return build(Config, values)
 
 
-def build(group: type[T], values: Mapping[str, Any], prefix: str = "") -> T:
-    """Make a group of parameters, or a dataclass of plain values, from ``values``; ``prefix`` precedes its names.
+def build(group: type[Group], values: Mapping[str, Any], prefix: str = "") -> Group:
+    """Make a group of parameters, and the groups in it, of ``values``; ``prefix`` precedes names in messages.
 
     Raises `ConfigError` as `make_config` does.
 
@@ -36,26 +36,22 @@ def build(group: type[T], values: Mapping[str, Any], prefix: str = "") -> T:
     Traceback (most recent call last):
     pipeline.errors.ConfigError: select.top: must be 1 or more, got 0
     """
-    hints = type_hints(typing.cast("Hashable", group))
-    fields = {field.name: field for field in dataclasses.fields(group)}  # type: ignore[arg-type]
+    kinds = get_type_hints(group)
+    fields = {field.name: field for field in dataclasses.fields(group)}
     for name in sorted(str(name) for name in values):
         if name not in fields:
             raise ConfigError(unknown_name(prefix + name, [prefix + known for known in fields]))
-    for name, known in fields.items():
-        if name not in values and known.default is known.default_factory is dataclasses.MISSING:
+    for name, field in fields.items():
+        if name not in values and field.default is field.default_factory is dataclasses.MISSING:
             raise ConfigError(f"{prefix}{name}: a value is needed; give {prefix}{name}=…")
+    nested = {
+        name: build(kinds[name], value, f"{prefix}{name}.")
+        for name, value in values.items()
+        if describe(fields[name]) is None and isinstance(value, Mapping)
+    }
     try:
-        return group(
-            **{
-                name: build(hints[name], value, f"{prefix}{name}.")
-                if dataclasses.is_dataclass(hints[name]) and isinstance(value, Mapping)
-                else check_value(name, hints[name], describe(fields[name]), value)
-                for name, value in values.items()
-            }
-        )
-    except ConfigError:
-        raise
-    except ValueError as error:  # of a group that checks itself, and names the parameter first
+        return group(**{**values, **nested})
+    except ParameterError as error:
         raise ConfigError(f"{prefix}{error}") from error
 
 

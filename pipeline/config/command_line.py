@@ -26,7 +26,7 @@ NAME_LENGTH = 200
 
 
 def complete(arguments: Sequence[str]) -> list[str]:
-    """Write a command line as Hydra reads it: our flags become values, ``dataset=`` gets its ``+``, or the sample is added.
+    """Write a command line as Hydra reads it: flags of ours as values, ``+`` before ``dataset=``, else the sample.
 
     >>> complete(["--plan", "dataset=folder", "dataset.root=pictures"])
     ['plan=true', '+dataset=folder', 'dataset.root=pictures']
@@ -55,7 +55,7 @@ def is_plain(arguments: Sequence[str]) -> bool:
 def check_command(arguments: Sequence[str]) -> Config:
     """The typed configuration of a command line; of a sweep, that of its first point.
 
-    Raises `ConfigError` for an unknown name or choice, and for a wrong type or value: of a sweep, for any of its values.
+    Raises `ConfigError` for an unknown name or choice, and for a wrong type or value, in any point of a sweep.
 
     >>> check_command(complete(["select.top=3"])).select.top
     3

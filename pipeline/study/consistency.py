@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from pipeline.errors import ConfigError, StartError
+from pipeline.errors import StartError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import StudiedRun
@@ -16,6 +16,7 @@ from pipeline.study.partners import StudiedPartners
 from pipeline.study.statistics import Agreement, agreement, calibration, precision
 from pipeline.tables.schemas import column
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
+from riot.parameters.field import ParameterGroup, parameter
 from riot.scores.qcrs import score_pairs, stack
 from riot.scores.trunks import compared_trunks
 from riot.types import FloatArray, IntArray
@@ -28,18 +29,13 @@ BINS = 20
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """The sample: at most ``pairs`` of each kind, ``draws`` pairs of pairs of them; ``bounds`` pairs are refined."""
+class Parameters(ParameterGroup):
+    """Sizes of the samples."""
 
-    pairs: int = 3000
-    draws: int = 1000
-    bounds: int = 200
-    seed: int = 2018
-
-    def __post_init__(self) -> None:
-        for name, least in (("pairs", 3), ("draws", 1), ("bounds", 0), ("seed", 0)):
-            if getattr(self, name) < least:
-                raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
+    pairs: int = parameter(3000, at_least=3, meaning="Most pairs of each sample.")
+    draws: int = parameter(1000, at_least=1, meaning="Pairs of pairs of a sample whose orders are compared.")
+    bounds: int = parameter(200, at_least=0, meaning="Pairs of a sample that are refined.")
+    seed: int = parameter(2018, at_least=0, meaning="Seed of the samples.")
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,12 +9,12 @@ from itertools import pairwise
 import numpy as np
 import pyarrow as pa
 
-from pipeline.errors import ConfigError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import StudiedRun
 from pipeline.study.statistics import quantiles
 from pipeline.tables.schemas import column
+from riot.parameters.field import ParameterGroup, parameter
 from riot.types import FloatArray, IntArray
 
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -24,14 +24,10 @@ WORDS = ("least", "25 %", "median", "75 %", "greatest")
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """``samples`` shapes are shown along the scale of reversibility."""
+class Parameters(ParameterGroup):
+    """What is shown."""
 
-    samples: int = 10
-
-    def __post_init__(self) -> None:
-        if self.samples < 2:
-            raise ConfigError(f"samples: must be 2 or more, got {self.samples}")
+    samples: int = parameter(10, at_least=2, meaning="Shapes that are shown along the scale of reversibility.")
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, fields
 import numpy as np
 import pyarrow as pa
 
-from pipeline.errors import ConfigError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import StudiedRun
@@ -27,6 +26,7 @@ from pipeline.study.recovery import (
 )
 from pipeline.tables.schemas import column
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
+from riot.parameters.field import ParameterGroup, parameter
 from riot.types import FloatArray
 
 PIECES = (3, 4, 5, 6)
@@ -37,21 +37,15 @@ RANKS = 400
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """``pairs`` are hidden, drawn after deforming them by waves of amplitude ``deform``, in units of √area.
+class Parameters(ParameterGroup):
+    """Which exact pairs are hidden, and how far their partners are searched."""
 
-    Of each hidden shape the ``keep`` best partners by QCRS go on to CRS, of these the ``few`` best to construction.
-    """
-
-    pairs: int = 20
-    deform: float = 0.0
-    keep: int = 100
-    few: int = 5
-
-    def __post_init__(self) -> None:
-        for name, least in (("pairs", 1), ("deform", 0.0), ("keep", 1), ("few", 1)):
-            if getattr(self, name) < least:
-                raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
+    pairs: int = parameter(20, at_least=1, meaning="Exact pairs that are hidden.")
+    deform: float = parameter(
+        0.0, at_least=0, unit="√area", meaning="Amplitude of the waves that deform hidden shapes before they are drawn."
+    )
+    keep: int = parameter(100, at_least=1, meaning="Partners of a hidden shape, the best by QCRS, that go on to CRS.")
+    few: int = parameter(5, at_least=1, meaning="Of these the best by CRS, which are constructed.")
 
 
 def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:

@@ -18,15 +18,16 @@ from pipeline.study.finished import StudiedRun
 from pipeline.tables.outputs import run_folder
 from pipeline.tables.record import STUDY
 from riot.kernels.warm import warm_all
+from riot.parameters import ParameterGroup
 
 Say = Callable[[str], None]
 
 
 class Study(Protocol):
-    """A module that is a study: ``Parameters`` is a dataclass with defaults."""
+    """A module that is a study: ``Parameters`` is a group of parameters with defaults."""
 
     @property
-    def Parameters(self) -> type: ...
+    def Parameters(self) -> type[ParameterGroup]: ...
 
     def study(self, finished: StudiedRun, parameters: Any, say: Say) -> Findings: ...
 
@@ -47,7 +48,7 @@ def make_study(name: str, study: Study, arguments: Sequence[str], say: Say) -> t
     return findings, page
 
 
-def split(arguments: Sequence[str], parameters: type) -> tuple[dict[str, Any], list[str]]:
+def split(arguments: Sequence[str], parameters: type[ParameterGroup]) -> tuple[dict[str, Any], list[str]]:
     """The values of a study's own parameters, and the arguments that are the run's; raises `ConfigError`.
 
     >>> from pipeline.study.consistency import Parameters

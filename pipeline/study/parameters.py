@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
@@ -11,7 +10,6 @@ import numpy as np
 import pyarrow as pa
 from matplotlib.figure import Figure
 
-from pipeline.errors import ConfigError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, encoded, of_columns
 from pipeline.study.finished import StudiedRun
@@ -25,6 +23,7 @@ from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT
 from riot.draw.palette import PIECES as COLOURS
 from riot.groundtruth.pairs import CORNER_TOLERANCE, LEAST_DEPTH
+from riot.parameters.field import ParameterGroup, parameter
 
 TRUNKS, SIGMAS = ("spacing", "tau_s", "tau_c"), ("sigma_pa", "sigma_w")
 """The parameters of candidate trunks, and those of S_r."""
@@ -52,32 +51,22 @@ Varied = TypeVar("Varied", TrunkOutcome, SigmaOrder)
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """The values of each parameter, beside the run's own, which always is among them; ``spacing`` is L_c / d_space.
+class Parameters(ParameterGroup):
+    """The values of each parameter beside the run's own, which always is among them, and the sizes of the samples."""
 
-    Trunks are looked for in the shapes of ``pairs`` exact pairs, and counted in ``shapes`` shapes of the run. The pairs
-    keep ``narrow`` margins (`pipeline.study.hidden.hide`): with the generator's own, fit for the default values, others
-    would look worse than they are.
-    """
-
-    spacing: tuple[float, ...] = (8.0, 10.0, 12.0, 18.0, 22.0)
-    tau_s: tuple[float, ...] = (0.05, 0.07, 0.14, 0.2)
-    tau_c: tuple[float, ...] = (0.05, 0.1, 0.2, 0.5, 0.7)
-    sigma_pa: tuple[float, ...] = (0.25, 0.5, 2.0, 4.0)
-    sigma_w: tuple[float, ...] = (1.0, 2.0, 8.0, 16.0)
-    pairs: int = 60
-    shapes: int = 200
-    narrow: bool = True
-    seed: int = 2018
-
-    def __post_init__(self) -> None:
-        for name, least in (("pairs", 1), ("shapes", 1), ("seed", 0)):
-            if getattr(self, name) < least:
-                raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
-        for name in (*TRUNKS, *SIGMAS):
-            for value in getattr(self, name):
-                if not 0.0 < value < math.inf or (name == "tau_c" and value >= 1.0):
-                    raise ConfigError(f"{name}: values must be above 0{', below 1' * (name == 'tau_c')}, got {value}")
+    spacing: tuple[float, ...] = parameter((8.0, 10.0, 12.0, 18.0, 22.0), above=0, meaning="Values of L_c / d_space.")
+    tau_s: tuple[float, ...] = parameter((0.05, 0.07, 0.14, 0.2), above=0, unit="√area", meaning="Values of τ_s.")
+    tau_c: tuple[float, ...] = parameter((0.05, 0.1, 0.2, 0.5, 0.7), above=0, below=1, meaning="Values of τ_c.")
+    sigma_pa: tuple[float, ...] = parameter((0.25, 0.5, 2.0, 4.0), above=0, meaning="Values of σ_PA.")
+    sigma_w: tuple[float, ...] = parameter((1.0, 2.0, 8.0, 16.0), above=0, meaning="Values of σ_W.")
+    pairs: int = parameter(60, at_least=1, meaning="Exact pairs in whose shapes trunks are looked for.")
+    shapes: int = parameter(200, at_least=1, meaning="Shapes of the run in which trunks are counted.")
+    narrow: bool = parameter(
+        True,
+        meaning="The exact pairs keep narrow margins (`pipeline.study.hidden.hide`): the generator's own margins fit "
+        "the default values, so that others would look worse than they are.",
+    )
+    seed: int = parameter(2018, at_least=0, meaning="Seed of the sample of shapes.")
 
 
 def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:

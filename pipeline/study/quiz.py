@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 from matplotlib.figure import Figure
 
-from pipeline.errors import ConfigError, StartError
+from pipeline.errors import StartError
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import StudiedRun
@@ -18,7 +18,8 @@ from pipeline.study.quiz_page import Answers, quiz_page
 from pipeline.study.quiz_pairs import QuizPair, choose
 from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT, PIECES
-from riot.errors import FormatError
+from riot.errors import FormatError, ParameterError
+from riot.parameters.field import ParameterGroup, parameter
 from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
 from riot.types import FloatArray
@@ -32,26 +33,29 @@ HALVES = {True: "reversible", False: "not reversible"}
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """``pairs`` are shown, half of them reversible.
+class Parameters(ParameterGroup):
+    """Which pairs are shown, and when a score says that a pair is reversible."""
 
-    What refined trunks of the other half allow is an IoU ``margin`` below the least of the reversible ones. A score
-    says "reversible" above ``threshold``: 0.5 is the CRS above which the paper constructs a pair.
-    """
+    pairs: int = parameter(16, at_least=2, meaning="Pairs that are shown, half of them reversible.")
+    margin: float = parameter(
+        0.05,
+        at_least=0,
+        at_most=1,
+        meaning="Refined trunks of the other half allow an IoU that is so far below the least of the reversible ones.",
+    )
+    threshold: float = parameter(
+        0.5,
+        at_least=0,
+        at_most=1,
+        source="paper §6",
+        meaning="A score above this says reversible; the paper constructs pairs of greater CRS.",
+    )
+    seed: int = parameter(2018, at_least=0, meaning="Seed of the choice of pairs.")
 
-    pairs: int = 16
-    margin: float = 0.05
-    threshold: float = 0.5
-    seed: int = 2018
-
-    def __post_init__(self) -> None:
-        if self.pairs < 2 or self.pairs % 2:
-            raise ConfigError(f"pairs: must be even, and 2 or more, got {self.pairs}")
-        for name in ("margin", "threshold"):
-            if not 0.0 <= getattr(self, name) <= 1.0:
-                raise ConfigError(f"{name}: must be in [0, 1], got {getattr(self, name)}")
-        if self.seed < 0:
-            raise ConfigError(f"seed: must be 0 or more, got {self.seed}")
+    def check_together(self) -> None:
+        """Check that the pairs can be halved; raises `riot.errors.ParameterError`."""
+        if self.pairs % 2:
+            raise ParameterError("pairs", f"must be even, got {self.pairs}")
 
 
 def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], None]) -> Findings:

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from pipeline.errors import ConfigError
 from pipeline.study import plots
 from pipeline.study.consistency import uniform
 from pipeline.study.findings import Findings, Sheet, encoded, of_columns
@@ -22,30 +21,25 @@ from pipeline.study.registry import TIMES
 from pipeline.study.statistics import Agreement, agreement
 from pipeline.tables.schemas import column
 from riot.parameters import QCRS_VARIANTS, QcrsParameters, QcrsVariant
+from riot.parameters.field import ParameterGroup, parameter
 from riot.scores.qcrs import TrunkStack, score_block, score_pairs, stack
 from riot.scores.trunks import compared_trunks
 
 
 @dataclass(frozen=True)
-class Parameters:
-    """Orders are compared on ``pairs`` random pairs, ``draws`` pairs of pairs of them; prices on all pairs of
-    ``shapes`` random shapes, in blocks as in a run, ``repeats`` times in turn. ``sigma_area`` are the values, beside
-    each variant's own."""
+class Parameters(ParameterGroup):
+    """The values of σ_A, and the sizes of the samples."""
 
-    sigma_area: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5)
-    pairs: int = 3000
-    draws: int = 1000
-    shapes: int = 120
-    repeats: int = 3
-    seed: int = 2018
-
-    def __post_init__(self) -> None:
-        for name, least in (("pairs", 3), ("draws", 1), ("shapes", 2), ("repeats", 1), ("seed", 0)):
-            if getattr(self, name) < least:
-                raise ConfigError(f"{name}: must be {least} or more, got {getattr(self, name)}")
-        for value in self.sigma_area:
-            if not 0.0 < value < np.inf:
-                raise ConfigError(f"sigma_area: values must be above 0, got {value}")
+    sigma_area: tuple[float, ...] = parameter(
+        (0.05, 0.1, 0.15, 0.2, 0.3, 0.5), above=0, unit="areas", meaning="Values of σ_A beside each variant's own."
+    )
+    pairs: int = parameter(3000, at_least=3, meaning="Random pairs on which orders are compared.")
+    draws: int = parameter(1000, at_least=1, meaning="Pairs of these pairs whose orders are compared.")
+    shapes: int = parameter(
+        120, at_least=2, meaning="Random shapes whose pairs are all scored in blocks, as in a run, to measure prices."
+    )
+    repeats: int = parameter(3, at_least=1, meaning="Measurements of each price, in turn.")
+    seed: int = parameter(2018, at_least=0, meaning="Seed of the samples.")
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,11 @@ from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import StudiedRun
 from pipeline.tables.schemas import column
+from riot.parameters.field import ParameterGroup
 
 
 @dataclass(frozen=True)
-class Parameters:
+class Parameters(ParameterGroup):
     """There are none."""
 
 

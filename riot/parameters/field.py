@@ -145,7 +145,8 @@ def allowed_range(group: type[ParameterGroup], name: str) -> tuple[float, float]
 def check_value(name: str, kind: Any, declared: Parameter | None, value: Any) -> Any:
     """The value as its type has it: a whole number for a float parameter becomes a float, a list a tuple.
 
-    Raises `riot.errors.ParameterError`, which names the parameter, what is allowed, and the value.
+    The bounds of a list are those of each entry. Raises `riot.errors.ParameterError`, which names the parameter, what
+    is allowed, and the value.
     """
     if declared is not None and declared.parse is not None:
         try:
@@ -160,7 +161,9 @@ def check_value(name: str, kind: Any, declared: Parameter | None, value: Any) ->
         elif typing.get_origin(option) is tuple:
             if isinstance(value, list | tuple):
                 item = typing.get_args(option)[0]
-                return tuple(check_value(f"{name}[{index}]", item, None, entry) for index, entry in enumerate(value))
+                return tuple(
+                    check_value(f"{name}[{index}]", item, declared, entry) for index, entry in enumerate(value)
+                )
         elif _is_instance(value, option):
             if option in (float, int):
                 _check_number(name, declared, type(None) in kinds, value)

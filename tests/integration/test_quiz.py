@@ -13,11 +13,12 @@ from given_run import GivenRun, given_run
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.errors import ConfigError, StartError
+from pipeline.errors import StartError
 from pipeline.study.findings import write_findings
 from pipeline.study.quiz import QUIZ, Parameters, right_answers, study, with_hindsight
 from pipeline.study.quiz_pairs import QuizPair
 from riot import Shape
+from riot.errors import ParameterError
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.riot_file import to_json
 
@@ -198,7 +199,7 @@ def test_no_threshold_is_better_than_hindsight(answers: list[tuple[bool, float]]
 
 def test_refusals_say_what_to_do(quiz_run: GivenRun) -> None:
     for values, words in (({"pairs": 3}, "even"), ({"margin": 2.0}, "margin"), ({"seed": -1}, "seed")):
-        with pytest.raises(ConfigError, match=words):
+        with pytest.raises(ParameterError, match=words):
             Parameters(**values)
     with pytest.raises(StartError, match=f"give pairs={2 * FOUND}"):
         study(quiz_run, Parameters(pairs=16), lambda _: None)

@@ -13,13 +13,13 @@ from given_run import given_run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.errors import ConfigError
 from pipeline.study.findings import svg, write_findings
 from pipeline.study.hidden import NEAR, Hidden, failed_test, hide, nearest
 from pipeline.study.ordering import orders, reordered
 from pipeline.study.parameters import TIMES, Parameters, study
 from pipeline.study.varied import vary
 from riot import Shape
+from riot.errors import ParameterError
 from riot.parameters import ReversibilityParameters, TrunkParameters
 from riot.scores.reversibility import reversibility
 from riot.scores.trunks import Trunks, full_trunks
@@ -145,9 +145,9 @@ def test_all_but_the_times_is_the_same_again(tmp_path: Path, hidden: Sequence[Hi
 
 def test_values_out_of_range_are_refused() -> None:
     for values, words in (
-        ({"tau_c": (1.0,)}, "below 1"),
-        ({"spacing": (0.0,)}, "above 0"),
-        ({"pairs": 0}, "1 or more"),
+        ({"tau_c": (1.0,)}, r"tau_c\[0\]: must be greater than 0 and less than 1, got 1.0"),
+        ({"spacing": (8.0, 0.0)}, r"spacing\[1\]: must be greater than 0, got 0.0"),
+        ({"pairs": 0}, "pairs: must be 1 or more, got 0"),
     ):
-        with pytest.raises(ConfigError, match=words):
+        with pytest.raises(ParameterError, match=words):
             Parameters(**values)
