@@ -6,21 +6,22 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from unittest import mock
 
 import numpy as np
 from PIL import Image, ImageDraw
 
 from pipeline.study.waves import deformed
-from riot.geometry.polyline import arc_length, edge_lengths
+from riot.geometry.polyline import TIE, TOUCH, arc_length, edge_lengths
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import mask_shape
 from riot.groundtruth import pairs as groundtruth
 from riot.groundtruth.pairs import ExactPair, Topology, exact_pair
+from riot.kernels.segments import inside_shares
 from riot.parameters import TrunkParameters
 from riot.scores.reversibility import cut_off, reversibility
-from riot.scores.trunks import Trunks, admissible_edges
+from riot.scores.trunks import Trunks, exterior_areas
 from riot.scores.vertices import congruency, convex_points, passes_visibility, sparse_points
 from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
@@ -165,14 +166,7 @@ def failed_test(hidden: Hidden, trunks: Trunks, quick: bool, parameters: TrunkPa
     if n > min(len(convex), parameters.max_vertices):
         return "too few convex points for n"
     combinations = np.array(list(itertools.product(*[np.flatnonzero(kept & (gap[:, j] <= NEAR)) for j in range(n)])))
-    everywhere = np.arange(len(shape.points))
-    lax = replace(parameters, max_arc=2.0, min_area=-9.0, min_inside=-1.0)
-    edge_tests: list[tuple[str, Callable[[], BoolArray]]] = [
-        ("convex point of every piece", lambda: admissible_edges(shape, points, lax, convex)),
-        ("arc < L/2", lambda: admissible_edges(shape, points, replace(lax, max_arc=parameters.max_arc), everywhere)),
-        ("area", lambda: admissible_edges(shape, points, replace(lax, min_area=parameters.min_area), everywhere)),
-        ("inside", lambda: admissible_edges(shape, points, replace(lax, min_inside=parameters.min_inside), everywhere)),
-    ]
+    edge_tests = _edge_tests(shape, points, convex, parameters)
     if not quick:
         edge_tests.append(("overlap of congruent stretches", lambda: _stretches_part(shape, points, parameters)))
     for name, test in edge_tests:
@@ -182,9 +176,34 @@ def failed_test(hidden: Hidden, trunks: Trunks, quick: bool, parameters: TrunkPa
     return "convex"
 
 
+def _edge_tests(
+    shape: Shape, points: IntArray, convex: IntArray, parameters: TrunkParameters
+) -> list[tuple[str, Callable[[], BoolArray]]]:
+    """The tests of `riot.scores.trunks.admissible_edges`, each by itself: (c, c) whether edges between points pass."""
+    count, arcs = len(shape.points), _arcs(shape, points)
+    steps = np.mod(points[None, :] - points[:, None], count)
+    steps_to_convex = np.mod(convex[None, :] - points[:, None] - 1, count).min(axis=1) + 1
+    return [
+        ("convex point of every piece", lambda: steps_to_convex[:, None] < steps),
+        ("arc < L/2", lambda: arcs < (parameters.max_arc - TIE) * arc_length(shape.points)[-1]),
+        ("area", lambda: exterior_areas(shape.points, points) > parameters.min_area + TIE),
+        (
+            "inside",
+            lambda: (
+                np.nan_to_num(inside_shares(shape.points, points, arcs > 0.0, TOUCH)) >= parameters.min_inside - TIE
+            ),
+        ),
+    ]
+
+
 def _stretches_part(shape: Shape, points: IntArray, parameters: TrunkParameters) -> BoolArray:
     """(c, c) whether the congruent stretches of two points overlap by little enough on the boundary between them."""
-    lengths, stretches = arc_length(shape.points), congruency(shape, points, parameters).length
-    arcs = np.mod(lengths[points][None, :] - lengths[points][:, None], lengths[-1])
+    stretches, arcs = congruency(shape, points, parameters).length, _arcs(shape, points)
     overlap = np.minimum(stretches[:, None], arcs) + np.minimum(stretches[None, :], arcs) - arcs
     return np.asarray(overlap < parameters.max_overlap * L_C)
+
+
+def _arcs(shape: Shape, points: IntArray) -> FloatArray:
+    """(c, c) length of the boundary from one point forwards to another."""
+    lengths = arc_length(shape.points)
+    return np.asarray(np.mod(lengths[points][None, :] - lengths[points][:, None], lengths[-1]))
