@@ -31,7 +31,7 @@ def signed_distances(x: FloatArray, arcs: FloatArray, offsets: IntArray) -> Floa
     region's parity, but not to what the distance is taken to: a region does not end at its trunk edge.
     """
     n = len(offsets) - 1
-    found = np.empty((len(x), n))
+    distances = np.empty((len(x), n))
     for k in range(len(x)):
         px, py = x[k, 0], x[k, 1]
         for i in range(n):
@@ -51,8 +51,8 @@ def signed_distances(x: FloatArray, arcs: FloatArray, offsets: IntArray) -> Floa
                     dx, dy = ax + u * ex, ay + u * ey
                     nearest = min(nearest, dx * dx + dy * dy)
                 ax, ay = bx, by
-            found[k, i] = -np.sqrt(nearest) if inside else np.sqrt(nearest)
-    return found
+            distances[k, i] = -np.sqrt(nearest) if inside else np.sqrt(nearest)
+    return distances
 
 
 def plain_mesh(polygon: FloatArray, rings: int) -> FloatArray:
@@ -74,8 +74,8 @@ def plain_distances(mesh: Mesh, arcs: FloatArray, offsets: IntArray) -> FloatArr
     first = int(np.argmin(((arcs[offsets[:-1]] - mesh.points[0]) ** 2).sum(axis=1)))
     order = (first + np.arange(len(mesh.corners))) % len(mesh.corners)
     inside = mesh.points + INWARD_SHARE * (mesh.points[-1] - mesh.points)
-    found: FloatArray = signed_distances(inside, arcs, offsets)[:, order]
-    return found
+    distances: FloatArray = signed_distances(inside, arcs, offsets)[:, order]
+    return distances
 
 
 def plain_labels(mesh: Mesh, distances: FloatArray) -> IntArray:
@@ -115,15 +115,15 @@ def plain_tree(
 ) -> list[tuple[tuple[int, int], FloatArray]]:
     """(the cells beside it, its points) of every arc of the dissection tree."""
     places, links = _boundary_graph(mesh, labels, distances)
-    found = []
+    arcs = []
     for chain, sides in _chains(links):
         points = [places[chain[0]]]
         for node in chain[1:-1]:
             if min(np.hypot(*(places[node] - at)) for at in (points[-1], places[chain[-1]])) > COINCIDENT_NODES:
                 points.append(places[node])
         kept = np.array([*points, places[chain[-1]]])
-        found.append((sides, kept[simplify_open(kept, tolerance)]))
-    return found
+        arcs.append((sides, kept[simplify_open(kept, tolerance)]))
+    return arcs
 
 
 def _boundary_graph(mesh: Mesh, labels: IntArray, distances: FloatArray) -> tuple[dict[Node, FloatArray], Links]:
@@ -146,11 +146,11 @@ def _boundary_graph(mesh: Mesh, labels: IntArray, distances: FloatArray) -> tupl
         places[u, v] = mesh.points[u] + share * (mesh.points[v] - mesh.points[u])
         return (u, v)
 
-    def link(one: Node, two: Node, marks: list[int]) -> None:
-        if one != two:
+    def link(first_node: Node, second_node: Node, marks: list[int]) -> None:
+        if first_node != second_node:
             sides = (min(marks), max(marks))
-            links[one].append((two, sides))
-            links[two].append((one, sides))
+            links[first_node].append((second_node, sides))
+            links[second_node].append((first_node, sides))
 
     for triangle in mesh.triangles.tolist():
         marks = [int(labels[k]) for k in triangle]
@@ -168,12 +168,12 @@ def _boundary_graph(mesh: Mesh, labels: IntArray, distances: FloatArray) -> tupl
 
 def _chains(links: Links) -> list[tuple[list[Node], tuple[int, int]]]:
     """Runs of nodes between those where the boundary branches or ends, each from its smaller end."""
-    found = []
+    chains = []
     for node in (node for node in links if len(node) != 2):
         for after, sides in links[node]:
             chain = [node, after]
             while len(chain[-1]) == 2:
                 chain.append(next(other for other, _ in links[chain[-1]] if other != chain[-2]))
             if chain[0] <= chain[-1]:
-                found.append((chain, sides))
-    return found
+                chains.append((chain, sides))
+    return chains

@@ -132,7 +132,7 @@ def _middle(chain: Chain, pose: Pose) -> FloatArray:
     return middle
 
 
-def _middle_when_placed(chain: Chain, pose: Pose, turn: float, place: Placement) -> FloatArray:
+def _middle_when_placed(chain: Chain, pose: Pose, turn: float, placement: Placement) -> FloatArray:
     turned = _turned(pose, turn)
-    middle: FloatArray = _middle(chain, turned) - turned.origins[0] + np.array([place.x, place.y])
+    middle: FloatArray = _middle(chain, turned) - turned.origins[0] + np.array([placement.x, placement.y])
     return middle

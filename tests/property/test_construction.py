@@ -83,21 +83,21 @@ def test_signed_distance_matches_shapely(seed: int) -> None:
     arcs = [np.cumsum(rng.normal(size=(6, 2)), axis=0) * 0.2 for _ in range(3)]
     offsets = np.concatenate([[0], np.cumsum([len(arc) for arc in arcs])]).astype(np.int64)
     x = rng.normal(size=(30, 2)) * 0.5
-    found = signed_distances(x, np.concatenate(arcs), offsets)
+    distances = signed_distances(x, np.concatenate(arcs), offsets)
     for k, arc in enumerate(arcs):
-        assert np.abs(found[:, k]) == pytest.approx(shapely.distance(shapely.points(x), shapely.LineString(arc)))
+        assert np.abs(distances[:, k]) == pytest.approx(shapely.distance(shapely.points(x), shapely.LineString(arc)))
         polygon = shapely.Polygon(arc)
         if polygon.is_valid:
-            assert np.array_equal(found[:, k] < 0, shapely.contains_xy(polygon, x))
+            assert np.array_equal(distances[:, k] < 0, shapely.contains_xy(polygon, x))
 
 
 def test_partition_of_exact_arcs_is_the_dissection() -> None:
     pair = exact_pair(5, 4)
     p, q = pair_shapes(pair)
-    made = given_transform(pair)
-    assert made.certificate().passed
+    transform = given_transform(pair)
+    assert transform.certificate().passed
     # The cells of P's trunk are the exterior pieces of Q: their areas are those of the exact dissection.
-    areas = sorted(shapely.Polygon(piece.upper).area for piece in made.pieces)
+    areas = sorted(shapely.Polygon(piece.upper).area for piece in transform.pieces)
     trunk = shapely.Polygon(p.from_source(pair.trunk_p))
     assert sum(areas) == pytest.approx(trunk.area, abs=1e-9)
     assert len(q.points) > 0
@@ -108,7 +108,7 @@ def test_partition_of_exact_arcs_is_the_dissection() -> None:
 def exterior_areas(points: FloatArray, trunk: FloatArray) -> list[float]:
     """Areas of the parts of a polygon outside its trunk, one for each edge."""
     rest = shapely.Polygon(points).difference(shapely.Polygon(trunk).buffer(1e-9))
-    return [part.area for part in rest.geoms if part.area > 1e-4]
+    return [polygon.area for polygon in rest.geoms if polygon.area > 1e-4]
 
 
 def good_pair() -> TrunkPair:
@@ -151,38 +151,38 @@ def given_transform(pair: object) -> Transform:
 @given(st.integers(3, 6), st.integers(0, 200))
 @settings(max_examples=12)
 def test_exact_pairs_come_back_exactly(n: int, seed: int) -> None:
-    made = given_transform(exact_pair(n, seed))
-    assert made.certificate().passed
-    assert made.certificate().residual < 1e-9
-    assert made.deformation().iou > 0.999
+    transform = given_transform(exact_pair(n, seed))
+    assert transform.certificate().passed
+    assert transform.certificate().residual < 1e-9
+    assert transform.deformation().iou > 0.999
 
 
 def test_dudeneys_triangle_and_square_come_back() -> None:
     # One of its exterior pieces is empty.
-    made = given_transform(dudeney())
-    certificate = made.certificate()
+    transform = given_transform(dudeney())
+    certificate = transform.certificate()
     assert certificate.passed, certificate.failure
-    assert made.deformation().iou > 0.999
-    assert min(shapely.Polygon(piece.polygon).area for piece in made.pieces) > 0.01
+    assert transform.deformation().iou > 0.999
+    assert min(shapely.Polygon(piece.polygon).area for piece in transform.pieces) > 0.01
 
 
-@pytest.mark.parametrize(("one", "other"), [(1, 2), (7, 9)])
-def test_search_and_construction_of_any_two_blobs(one: int, other: int) -> None:
-    made = construct(blob(one), blob(other))
-    assert made.certificate().passed
-    found = made.deformation()
-    assert 0.6 < found.iou_p <= made.bound_p + 1e-4
-    assert 0.6 < found.iou_q <= made.bound_q + 1e-4
-    area = sum(shapely.Polygon(piece.polygon).area for piece in made.pieces)
-    assert area == pytest.approx(shapely.Polygon(made.outline_p()).area, abs=1e-12)
-    assert area == pytest.approx(shapely.Polygon(made.outline_q()).area, abs=1e-12)
+@pytest.mark.parametrize(("seed_p", "seed_q"), [(1, 2), (7, 9)])
+def test_search_and_construction_of_any_two_blobs(seed_p: int, seed_q: int) -> None:
+    transform = construct(blob(seed_p), blob(seed_q))
+    assert transform.certificate().passed
+    deformation = transform.deformation()
+    assert 0.6 < deformation.iou_p <= transform.bound_p + 1e-4
+    assert 0.6 < deformation.iou_q <= transform.bound_q + 1e-4
+    area = sum(shapely.Polygon(piece.polygon).area for piece in transform.pieces)
+    assert area == pytest.approx(shapely.Polygon(transform.outline_p()).area, abs=1e-12)
+    assert area == pytest.approx(shapely.Polygon(transform.outline_q()).area, abs=1e-12)
 
 
 def test_the_partition_reaches_the_least_change_its_trunks_allow() -> None:
     pair = good_pair()
     plan = plan_pair(pair)
-    made = construct_plan(plan, ConstructParameters())
-    for iou, bound in zip(made.overlap_ratios, (plan.bound_p, plan.bound_q), strict=True):
+    transform = construct_plan(plan, ConstructParameters())
+    for iou, bound in zip(transform.overlap_ratios, (plan.bound_p, plan.bound_q), strict=True):
         assert bound - 0.005 < iou < bound + 1e-3
 
 
@@ -190,12 +190,12 @@ def test_construction_is_the_same_turned() -> None:
     pair = good_pair()
     c, s = math.cos(1.0), math.sin(1.0)
     turned = Shape(pair.p.points @ np.array([[c, s], [-s, c]]), pair.p.feature, pair.p.name)
-    made, again = (
+    transform, again = (
         construct(shape, pair.q, (shape.points[pair.trunk_p], pair.q.points[pair.trunk_q]), refinement=UNREFINED)
         for shape in (pair.p, turned)
     )
-    assert again.deformation().iou == pytest.approx(made.deformation().iou, abs=2e-3)
-    assert again.angles == pytest.approx(made.angles, abs=1e-9)
+    assert again.deformation().iou == pytest.approx(transform.deformation().iou, abs=2e-3)
+    assert again.angles == pytest.approx(transform.angles, abs=1e-9)
 
 
 def test_given_trunks_may_lie_near_the_outline_and_run_either_way() -> None:
@@ -244,15 +244,15 @@ def test_a_piece_that_covers_all_is_rejected_with_a_reason() -> None:
     )
     square = Shape.from_polygon([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     trunk = tower.from_source([[0.1, 0.0], [0.9, 0.0], [0.75, 1.0], [0.25, 1.0]])
-    other = square.from_source([[0.1, 0.0], [0.0, 0.6], [0.4, 1.0], [1.0, 0.6]])
+    seed_q = square.from_source([[0.1, 0.0], [0.0, 0.6], [0.4, 1.0], [1.0, 0.6]])
     with pytest.raises(ConstructionError) as caught:
-        construct(tower, square, (trunk, other))
+        construct(tower, square, (trunk, seed_q))
     assert caught.value.reason == "lost-contact"
 
 
 def test_plans_of_equal_input_are_equal() -> None:
     pair = good_pair()
-    made = [construct_plan(plan_pair(pair), ConstructParameters()) for _ in range(2)]
-    for one, two in zip(made[0].pieces, made[1].pieces, strict=True):
-        assert np.array_equal(one.lower, two.lower)
-        assert np.array_equal(one.upper, two.upper)
+    transforms = [construct_plan(plan_pair(pair), ConstructParameters()) for _ in range(2)]
+    for first, second in zip(transforms[0].pieces, transforms[1].pieces, strict=True):
+        assert np.array_equal(first.lower, second.lower)
+        assert np.array_equal(first.upper, second.upper)

@@ -88,22 +88,22 @@ def test_samples_correspond_monotonically_and_hold_every_vertex(seed: int) -> No
 @settings(max_examples=25)
 def test_two_straight_lines_average_to_a_straight_line(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    one, other = (
+    first, second = (
         np.stack([np.linspace(0.0, 1.0, k), np.linspace(y, z, k)], axis=1)
         for k, y, z in ((9, 0, 0.1), (14, *rng.uniform(-0.1, 0.1, 2)))
     )
-    u, v = merged(one, turnings(one, 0.02), other, turnings(other, 0.02), 0.02)
-    mean = 0.5 * (at(one, along(one), u) + at(other, along(other), v))
+    u, v = merged(first, turnings(first, 0.02), second, turnings(second, 0.02), 0.02)
+    mean = 0.5 * (at(first, along(first), u) + at(second, along(second), v))
     chord = shapely.LineString(mean[[0, -1]])
     assert shapely.distance(shapely.points(mean), chord).max() < 1e-12
 
 
 def test_a_corner_corresponds_to_a_corner() -> None:
-    one = np.array([[0.0, 0.0], [0.5, 0.2], [1.0, 0.0]])
-    other = np.array([[0.0, 0.0], [0.53, 0.25], [1.0, 0.02]])
-    u, v = merged(one, turnings(one, 0.02), other, turnings(other, 0.02), 0.02)
-    at_corner = np.abs(u - along(one)[1]).argmin()
-    assert v[at_corner] == pytest.approx(along(other)[1])
+    first = np.array([[0.0, 0.0], [0.5, 0.2], [1.0, 0.0]])
+    second = np.array([[0.0, 0.0], [0.53, 0.25], [1.0, 0.02]])
+    u, v = merged(first, turnings(first, 0.02), second, turnings(second, 0.02), 0.02)
+    at_corner = np.abs(u - along(first)[1]).argmin()
+    assert v[at_corner] == pytest.approx(along(second)[1])
 
 
 @given(SEEDS)
@@ -134,11 +134,11 @@ def test_the_solution_is_that_of_a_dense_least_squares(seed: int) -> None:
 
     def add(places: list[int], factors: list[float], goal: FloatArray, weight: float) -> None:
         row, rest = np.zeros(size + 1), np.array(factors) @ goal[places]
-        for place, factor in zip(places, factors, strict=True):
-            if which[place] < 0:
-                rest = rest - factor * known[place]
+        for sample, factor in zip(places, factors, strict=True):
+            if which[sample] < 0:
+                rest = rest - factor * known[sample]
             else:
-                row[which[place]] += factor
+                row[which[sample]] += factor
         rows.append(math.sqrt(weight) * row)
         right.append(math.sqrt(weight) * rest)
 
@@ -151,14 +151,14 @@ def test_the_solution_is_that_of_a_dense_least_squares(seed: int) -> None:
             add([k], [1.0], targets, softness[k] * mean)
             add([k], [1.0], wanted, weights[k])
             if before and after:
-                one, two = targets[k] - targets[k - 1], targets[k + 1] - targets[k]
-                bent = math.atan2(one[0] * two[1] - one[1] * two[0], one @ two) / BENDABLE
+                first, second = targets[k] - targets[k - 1], targets[k + 1] - targets[k]
+                bent = math.atan2(first[0] * second[1] - first[1] * second[0], first @ second) / BENDABLE
                 factors = [1 / before, -1 / before - 1 / after, 1 / after]
                 add([k - 1, k, k + 1], factors, targets, 1 / (mean * (1 + bent**2)))
     expected = np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0]
-    found = solved(targets, offsets, which, known, wanted, weights, softness, 0.0)
-    assert found[which >= 0] == pytest.approx(expected[which[which >= 0]], abs=1e-8)
-    assert np.array_equal(found[which < 0], known[which < 0])
+    solution = solved(targets, offsets, which, known, wanted, weights, softness, 0.0)
+    assert solution[which >= 0] == pytest.approx(expected[which[which >= 0]], abs=1e-8)
+    assert np.array_equal(solution[which < 0], known[which < 0])
 
 
 @given(SEEDS)
@@ -168,31 +168,31 @@ def test_collisions_are_found_where_shapely_finds_them(seed: int) -> None:
     lines = [np.cumsum(rng.normal(size=(5, 2)), axis=0) + 2.0 * rng.normal(size=2) for _ in range(2)]
     ends = np.array([[0, 1], [2, 3]])
     offsets = np.array([0, 5, 10])
-    found = collisions(np.concatenate(lines), offsets, ends, 1e-9)
-    assert found.any() != shapely.MultiLineString(lines).is_simple
+    colliding = collisions(np.concatenate(lines), offsets, ends, 1e-9)
+    assert colliding.any() != shapely.MultiLineString(lines).is_simple
 
 
 @given(SEEDS)
 @settings(max_examples=20)
 def test_difference_is_that_of_the_regions(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    one, other = (
+    first, second = (
         [[0.0, 0.0], *np.stack([np.linspace(0.1, 0.9, 7), rng.uniform(0.05, 0.5, 7)], axis=1), [1.0, 0.0]]
         for _ in range(2)
     )
-    expected = shapely.Polygon(one).symmetric_difference(shapely.Polygon(other)).area
-    assert difference(np.array(one), np.array(other), 2048) == pytest.approx(expected, abs=2e-3)
+    expected = shapely.Polygon(first).symmetric_difference(shapely.Polygon(second)).area
+    assert difference(np.array(first), np.array(second), 2048) == pytest.approx(expected, abs=2e-3)
 
 
 @pytest.mark.parametrize(
     ("n", "seed", "curved"), [(3, 1, True), (4, 3, False), (4, 5, True), (5, 0, True), (7, 5, True)]
 )
 def test_exact_pairs_come_back_unchanged(n: int, seed: int, curved: bool) -> None:
-    made = exact_draft(exact_pair(n, seed, curved=curved)).transform()
-    found = made.deformation()
-    assert made.certificate().passed
-    assert found.iou > 1.0 - 1e-6
-    assert max(found.hausdorff_p, found.hausdorff_q) < 1e-6
+    transform = exact_draft(exact_pair(n, seed, curved=curved)).transform()
+    deformation = transform.deformation()
+    assert transform.certificate().passed
+    assert deformation.iou > 1.0 - 1e-6
+    assert max(deformation.hausdorff_p, deformation.hausdorff_q) < 1e-6
 
 
 def test_straight_sides_stay_straight_if_area_may_be_lost_for_it() -> None:
@@ -227,19 +227,19 @@ def test_detail_costs_little_area_and_less_if_less_is_allowed() -> None:
     dissection = blob_draft().lower
     for allowed in (0.002, 1e-5):
         parameters = DetailParameters(max_loss=allowed)
-        found = add_detail(dissection.plain_paths, dissection.arcs, dissection.match, parameters)
-        assert found.loss <= allowed
-        assert found.rounds <= DRAW_BACK_ROUNDS
+        detailed = add_detail(dissection.plain_paths, dissection.arcs, dissection.match, parameters)
+        assert detailed.loss <= allowed
+        assert detailed.rounds <= DRAW_BACK_ROUNDS
 
 
 def test_the_detailed_transform_is_certified_and_the_same_again() -> None:
     draft = blob_draft()
-    made = draft.transform()
-    assert made.certificate().passed
+    transform = draft.transform()
+    assert transform.certificate().passed
     again = dissect_plan(draft.plan, PARAMETERS).transform()
-    for one, two in zip(made.pieces, again.pieces, strict=True):
-        assert np.array_equal(one.lower, two.lower)
-        assert np.array_equal(one.upper, two.upper)
+    for first, second in zip(transform.pieces, again.pieces, strict=True):
+        assert np.array_equal(first.lower, second.lower)
+        assert np.array_equal(first.upper, second.upper)
 
 
 def test_detail_turns_with_the_trunk() -> None:
@@ -248,8 +248,8 @@ def test_detail_turns_with_the_trunk() -> None:
     turn = np.array([[c, s], [-s, c]])
     offsets = np.concatenate([[0], np.cumsum([len(arc) for arc in dissection.arcs])]).astype(np.int64)
     arcs = np.concatenate(dissection.arcs)
-    one, other = (
+    first, second = (
         dissect(dissection.trunk @ by, (arcs @ by, offsets), PARAMETERS, "the trunk") for by in (np.eye(2), turn)
     )
-    for path, turned in zip(one.paths, other.paths, strict=True):
+    for path, turned in zip(first.paths, second.paths, strict=True):
         assert shapely.hausdorff_distance(shapely.LineString(path @ turn), shapely.LineString(turned)) < 1e-6

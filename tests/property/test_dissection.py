@@ -82,9 +82,9 @@ def test_tree_is_that_of_plain_containers(seed: int, n: int, depth: float) -> No
     cells = label_cells(mesh_convex(polygon, 0.03), arcs, offsets, ANYTHING)
     distances = plain_distances(cells.mesh, arcs, offsets)
     for tolerance in (0.0, 0.003):
-        found = sorted((arc.sides, arc.points.tolist()) for arc in dissection_tree(cells, tolerance))
+        sorted_arcs = sorted((arc.sides, arc.points.tolist()) for arc in dissection_tree(cells, tolerance))
         plain = plain_tree(cells.mesh, cells.labels, distances, tolerance)
-        assert found == sorted((sides, points.tolist()) for sides, points in plain)
+        assert sorted_arcs == sorted((sides, points.tolist()) for sides, points in plain)
 
 
 def test_equal_arcs_go_to_the_first() -> None:
@@ -103,5 +103,5 @@ def test_rooted_points_hang_together() -> None:
     boundary = len(mesh.edge)
     labels = np.zeros(len(mesh.points), dtype=np.int64)
     labels[np.hypot(*(mesh.points - mesh.points[-1]).T) < 0.1] = 1
-    found = rooted(labels, mesh.triangles, boundary)
-    assert np.array_equal(found, labels == 0)
+    kept = rooted(labels, mesh.triangles, boundary)
+    assert np.array_equal(kept, labels == 0)

@@ -134,41 +134,41 @@ def test_exact_pairs_come_back_as_they_are(n: int, seed: int) -> None:
     pair = exact_pair(n, seed)
     p, q = pair_shapes(pair)
     trunks = given_pair(p, q, p.from_source(pair.trunk_p), q.from_source(pair.trunk_q), PARAMETERS.snap, 0.0)
-    made = construct_laplacian(plan_pair(trunks), PARAMETERS)
-    assert max(each.total for each in residuals(made)) < 1e-3
-    assert measure_deformation(made).iou > 0.999
+    transform = construct_laplacian(plan_pair(trunks), PARAMETERS)
+    assert max(residual.total for residual in residuals(transform)) < 1e-3
+    assert measure_deformation(transform).iou > 0.999
 
 
 def test_residuals_of_an_exact_transform_are_nothing() -> None:
     for pair in (exact_pair(5, 3), dudeney()):
-        assert max(each.total for each in residuals(exact_transform(pair))) < 1e-9
+        assert max(residual.total for residual in residuals(exact_transform(pair))) < 1e-9
 
 
 def test_the_papers_method_lowers_the_areas_and_says_what_is_left() -> None:
     plan = blob_plan()
-    made = construct_laplacian(plan, PARAMETERS)
+    transform = construct_laplacian(plan, PARAMETERS)
     pair = plan.pair
     sides = ((pair.outline_q, pair.trunk_q[::-1], plan.trunk_p[::-1]), (pair.outline_p, pair.trunk_p, plan.trunk_q))
-    for side, left in zip(sides, residuals(made), strict=True):
+    for side, left in zip(sides, residuals(transform), strict=True):
         _, course = tile(*side, PARAMETERS)
         assert left.total < 0.25 * course[0].total
-        assert left.total == pytest.approx(min(each.total for each in course[1:]), abs=1e-3)
-    certificate = certify(made)
+        assert left.total == pytest.approx(min(residual.total for residual in course[1:]), abs=1e-3)
+    certificate = certify(transform)
     assert not certificate.passed
     assert max(certificate.p.hinge, certificate.q.hinge) < 1e-12
-    assert 0.7 < measure_deformation(made).iou < 1.0
+    assert 0.7 < measure_deformation(transform).iou < 1.0
 
 
 def test_pieces_end_at_the_hinges_exactly_and_survive_the_file() -> None:
-    made = construct_laplacian(blob_plan(), PARAMETERS)
-    for piece in made.pieces:
+    transform = construct_laplacian(blob_plan(), PARAMETERS)
+    for piece in transform.pieces:
         ends = np.array([[0.0, 0.0], [piece.length, 0.0]])
         assert np.array_equal(piece.lower[[0, -1]], ends)
         assert np.array_equal(piece.upper[[-1, 0]], ends)
         assert piece.lower[:, 1].mean() < 0.0 < piece.upper[:, 1].mean()
-    again = from_json(to_json(made))
-    for one, other in zip(made.pieces, again.pieces, strict=True):
-        assert np.array_equal(one.polygon, other.polygon)
+    again = from_json(to_json(transform))
+    for first, second in zip(transform.pieces, again.pieces, strict=True):
+        assert np.array_equal(first.polygon, second.polygon)
 
 
 def test_the_same_plan_gives_the_same_bytes() -> None:

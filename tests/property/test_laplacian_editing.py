@@ -86,15 +86,15 @@ def plain_edit(points: FloatArray, handles: BoolArray, targets: FloatArray) -> F
         model = np.array([row for x, y in points[three] for row in ([x, -y, 1.0, 0.0], [y, x, 0.0, 1.0])])
         fitted = np.linalg.pinv(model)[:2]
         x, y = points[k] - 0.5 * (points[k - 1] + points[k + 1])
-        part = -np.array([[x, -y], [y, x]]) @ fitted
-        part[:, 2:4] += np.eye(2)
-        part[:, :2] -= 0.5 * np.eye(2)
-        part[:, 4:] -= 0.5 * np.eye(2)
-        rows[2 * k - 2 : 2 * k, columns] = part
+        block = -np.array([[x, -y], [y, x]]) @ fitted
+        block[:, 2:4] += np.eye(2)
+        block[:, :2] -= 0.5 * np.eye(2)
+        block[:, 4:] -= 0.5 * np.eye(2)
+        rows[2 * k - 2 : 2 * k, columns] = block
     known = np.repeat(handles, 2)
-    found = targets.ravel().copy()
-    found[~known] = np.linalg.lstsq(rows[:, ~known], -rows[:, known] @ found[known], rcond=None)[0]
-    return found.reshape(m, 2)
+    solution = targets.ravel().copy()
+    solution[~known] = np.linalg.lstsq(rows[:, ~known], -rows[:, known] @ solution[known], rcond=None)[0]
+    return solution.reshape(m, 2)
 
 
 @given(SEEDS, st.integers(4, 30))

@@ -30,9 +30,9 @@ def offsets(sizes: list[int]) -> IntArray:
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
 
 
-def placed(points: FloatArray, place: FloatArray) -> FloatArray:
-    c, s = np.cos(place[2]), np.sin(place[2])
-    return points @ np.array([[c, s], [-s, c]]) + place[:2]
+def placed(points: FloatArray, placement: FloatArray) -> FloatArray:
+    c, s = np.cos(placement[2]), np.sin(placement[2])
+    return points @ np.array([[c, s], [-s, c]]) + placement[:2]
 
 
 @settings(max_examples=150)
@@ -42,14 +42,14 @@ def test_distance_and_overlap_are_shapelys(seed: int) -> None:
     # A body of two parts, and one that may lie within another.
     first = [blob(rng), blob(rng, 0.4) + np.array([3.0, 0.0])]
     second = [blob(rng, float(rng.choice([0.1, 1.0])))]
-    place = np.array([*rng.uniform(-4.0, 4.0, 2), rng.uniform(-7.0, 7.0)])
-    mine = separation(*packed([first, second]), 0, 1, place, 100.0)
-    one = shapely.MultiPolygon([shapely.Polygon(ring) for ring in first])
-    two = shapely.Polygon(placed(second[0], place))
-    assert mine == pytest.approx(one.distance(two), abs=1e-12)
-    assert (mine == 0.0) == one.intersects(two)
+    placement = np.array([*rng.uniform(-4.0, 4.0, 2), rng.uniform(-7.0, 7.0)])
+    mine = separation(*packed([first, second]), 0, 1, placement, 100.0)
+    first_region = shapely.MultiPolygon([shapely.Polygon(ring) for ring in first])
+    second_region = shapely.Polygon(placed(second[0], placement))
+    assert mine == pytest.approx(first_region.distance(second_region), abs=1e-12)
+    assert (mine == 0.0) == first_region.intersects(second_region)
     # With a cap: the same below it, no less than it above.
-    capped = separation(*packed([first, second]), 0, 1, place, 0.5)
+    capped = separation(*packed([first, second]), 0, 1, placement, 0.5)
     assert capped == pytest.approx(mine, abs=1e-12) if mine < 0.5 else capped >= 0.5
 
 

@@ -42,14 +42,14 @@ def blob_draft() -> DissectedPlan:
     raise AssertionError("no trunk pair of the two blobs can be constructed on")
 
 
-def stretches(shape: Shape, trunk: FloatArray, length: int) -> list[FloatArray]:
+def sections(shape: Shape, trunk: FloatArray, length: int) -> list[FloatArray]:
     """Runs of ``length`` outline points that stay clear of the trunk's vertices."""
-    found = []
+    runs = []
     for start in range(0, len(shape.points), length):
         run = shape.points[np.arange(start, start + length) % len(shape.points)]
         if np.hypot(*(run[:, None] - trunk[None]).transpose(2, 0, 1)).min() > 1.5 * LEAF_RADIUS * L_C:
-            found.append(run)
-    return found
+            runs.append(run)
+    return runs
 
 
 def apart(points: FloatArray, outline: FloatArray) -> float:
@@ -60,36 +60,36 @@ def apart(points: FloatArray, outline: FloatArray) -> float:
 def moved_most() -> FloatArray:
     """The run of P's outline that is missed by most, of those whose piece keeps it inside the trunk it swings into."""
     draft = blob_draft()
-    made = draft.transform()
-    for run in sorted(stretches(made.p, made.trunk_p, 6), key=lambda run: -apart(run, made.outline_p())):
+    transform = draft.transform()
+    for run in sorted(sections(transform.p, transform.trunk_p, 6), key=lambda run: -apart(run, transform.outline_p())):
         with contextlib.suppress(ConstructionError):
             draft.transform(Pins(p=(keep(run),)))
             return run
-    raise AssertionError("no stretch of the blob can be kept")
+    raise AssertionError("no section of the blob can be kept")
 
 
 def test_a_kept_stretch_is_met_and_was_not_before() -> None:
     draft = blob_draft()
     free = draft.transform()
     run = moved_most()
-    made = draft.transform(Pins(p=(keep(run),)))
-    assert made.certificate().passed
+    transform = draft.transform(Pins(p=(keep(run),)))
+    assert transform.certificate().passed
     assert apart(run, free.outline_p()) > 10.0 * PIN_TOLERANCE
-    assert apart(run, made.outline_p()) <= PIN_TOLERANCE
+    assert apart(run, transform.outline_p()) <= PIN_TOLERANCE
     # Q's outline lives in the other tree.
-    for one, two in zip(made.pieces, free.pieces, strict=True):
-        assert np.array_equal(one.upper, two.upper)
+    for first, second in zip(transform.pieces, free.pieces, strict=True):
+        assert np.array_equal(first.upper, second.upper)
 
 
 def test_pins_of_both_shapes_are_met_together() -> None:
     draft = blob_draft()
-    made = draft.transform()
+    transform = draft.transform()
     run_p = moved_most()
-    run_q = min(stretches(made.q, made.trunk_q, 4), key=lambda run: apart(run, made.outline_q()))
-    made = draft.transform(Pins((keep(run_p),), (keep(run_q),)))
-    assert made.certificate().passed
-    assert apart(run_p, made.outline_p()) <= PIN_TOLERANCE
-    assert apart(run_q, made.outline_q()) <= PIN_TOLERANCE
+    run_q = min(sections(transform.q, transform.trunk_q, 4), key=lambda run: apart(run, transform.outline_q()))
+    transform = draft.transform(Pins((keep(run_p),), (keep(run_q),)))
+    assert transform.certificate().passed
+    assert apart(run_p, transform.outline_p()) <= PIN_TOLERANCE
+    assert apart(run_q, transform.outline_q()) <= PIN_TOLERANCE
 
 
 def test_a_kept_point_keeps_the_boundary_around_it() -> None:
@@ -101,12 +101,12 @@ def test_a_kept_point_keeps_the_boundary_around_it() -> None:
 def test_the_order_of_a_stretch_does_not_matter() -> None:
     draft = blob_draft()
     run = moved_most()
-    one, other = (draft.transform(Pins(p=(keep(points),))) for points in (run[[0, -1]], run[[-1, 0]]))
-    assert np.array_equal(one.outline_p(), other.outline_p())
+    first, second = (draft.transform(Pins(p=(keep(points),))) for points in (run[[0, -1]], run[[-1, 0]]))
+    assert np.array_equal(first.outline_p(), second.outline_p())
 
 
 def bump(run: FloatArray, height: float) -> FloatArray:
-    """A line over a stretch of outline, ``height`` off its middle."""
+    """A line over a section of the outline, ``height`` off its middle."""
     ahead = run[-1] - run[0]
     normal = np.array([ahead[1], -ahead[0]]) / np.hypot(*ahead)
     return np.array([run[0], run[len(run) // 2] + height * normal, run[-1]])
@@ -116,16 +116,16 @@ def bump(run: FloatArray, height: float) -> FloatArray:
 def test_a_drawn_line_replaces_the_outline(height: float) -> None:
     draft = blob_draft()
     line = bump(moved_most(), height)
-    made = draft.transform(Pins(p=(draw(line),)))
-    assert made.certificate().passed
+    transform = draft.transform(Pins(p=(draw(line),)))
+    assert transform.certificate().passed
     even = shapely.line_interpolate_point(shapely.LineString(line), np.linspace(0.0, 1.0, 20), normalized=True)
-    assert shapely.distance(even, shapely.LinearRing(made.outline_p())).max() <= PIN_TOLERANCE
+    assert shapely.distance(even, shapely.LinearRing(transform.outline_p())).max() <= PIN_TOLERANCE
 
 
 def test_without_pins_nothing_changes() -> None:
     draft = blob_draft()
-    for one, two in zip(draft.transform(Pins()).pieces, draft.transform().pieces, strict=True):
-        assert np.array_equal(one.polygon, two.polygon)
+    for first, second in zip(draft.transform(Pins()).pieces, draft.transform().pieces, strict=True):
+        assert np.array_equal(first.polygon, second.polygon)
 
 
 @pytest.mark.parametrize(
@@ -155,11 +155,11 @@ def test_a_pins_file_is_read_in_the_sources_coordinates(tmp_path: object) -> Non
     path = tmp_path / "pins.json"  # type: ignore[operator]
     line = [[0.0, 1.0], [2.0, 3.0]]
     path.write_text(text(q=[{"draw": line}]), encoding="utf-8")
-    found = load_pins(path, p, q)
-    assert p.source(found.p[0].points) == pytest.approx(np.array([[1.0, 2.0]]))
-    assert q.source(found.q[0].points) == pytest.approx(np.array(line))
-    assert found.q[0].drawn
-    assert not found.p[0].drawn
+    pins = load_pins(path, p, q)
+    assert p.source(pins.p[0].points) == pytest.approx(np.array([[1.0, 2.0]]))
+    assert q.source(pins.q[0].points) == pytest.approx(np.array(line))
+    assert pins.q[0].drawn
+    assert not pins.p[0].drawn
     in_frame = pins_from_json(text(frame="shape"), p, q)
     assert np.array_equal(in_frame.p[0].points, [[1.0, 2.0]])
 

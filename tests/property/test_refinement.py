@@ -28,20 +28,20 @@ PARAMETERS = RefineParameters()
 
 
 @cache
-def plans(one: int, other: int) -> list[ConstructionPlan]:
-    a, b = blob(one), blob(other)
-    found = []
+def plans(seed_p: int, seed_q: int) -> list[ConstructionPlan]:
+    a, b = blob(seed_p), blob(seed_q)
+    candidates = []
     for score in best_trunk_pairs(a, b, count=6):
         try:
-            found.append(plan_pair(TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b)))
+            candidates.append(plan_pair(TrunkPair(a, b, a.points, b.points, score.trunk_a, score.trunk_b)))
         except ConstructionError:
             continue
-    return found
+    return candidates
 
 
-@pytest.mark.parametrize(("one", "other"), [(1, 2), (4, 9)])
-def test_arcs_are_carried_rigidly_and_end_on_the_corners(one: int, other: int) -> None:
-    plan = plans(one, other)[0]
+@pytest.mark.parametrize(("seed_p", "seed_q"), [(1, 2), (4, 9)])
+def test_arcs_are_carried_rigidly_and_end_on_the_corners(seed_p: int, seed_q: int) -> None:
+    plan = plans(seed_p, seed_q)[0]
     outline, n = plan.pair.p.points, len(plan.trunk_p)
     on_shape = edge_lengths(outline)
     matched = 0
@@ -55,9 +55,9 @@ def test_arcs_are_carried_rigidly_and_end_on_the_corners(one: int, other: int) -
     assert np.abs(edge_lengths(plan.trunk_p) - edge_lengths(plan.trunk_q)).max() < 1e-12
 
 
-@pytest.mark.parametrize(("one", "other"), [(1, 2), (4, 9)])
-def test_gradient_is_that_of_the_bounds(one: int, other: int) -> None:
-    plan = plans(one, other)[0]
+@pytest.mark.parametrize(("seed_p", "seed_q"), [(1, 2), (4, 9)])
+def test_gradient_is_that_of_the_bounds(seed_p: int, seed_q: int) -> None:
+    plan = plans(seed_p, seed_q)[0]
     _, gradient = least_changes(*plan.pair.windowed_outlines, plan.trunks, 4096)
     step = 1e-4
     for corner in np.ndindex(plan.trunks.shape):
@@ -80,9 +80,9 @@ def test_tangential_gradient_keeps_corresponding_edges_equal() -> None:
     assert np.abs(moved - trunks - 1e-3 * along).max() < 1e-4
 
 
-@pytest.mark.parametrize(("one", "other"), [(1, 2), (4, 9), (7, 3)])
-def test_refinement_raises_the_bound_and_stays_conjugate(one: int, other: int) -> None:
-    before = plans(one, other)
+@pytest.mark.parametrize(("seed_p", "seed_q"), [(1, 2), (4, 9), (7, 3)])
+def test_refinement_raises_the_bound_and_stays_conjugate(seed_p: int, seed_q: int) -> None:
+    before = plans(seed_p, seed_q)
     after = [refine(plan, 24, PARAMETERS) for plan in before]
     assert all(new.bound >= old.bound for old, new in zip(before, after, strict=True))
     assert max(new.bound - old.bound for old, new in zip(before, after, strict=True)) > 0.01
@@ -114,13 +114,13 @@ def test_refinement_does_not_depend_on_where_the_shapes_lie() -> None:
 
 
 def test_plans_that_lose_contact_are_dropped_before_one_that_does_not() -> None:
-    found = plans(1, 2)
+    candidates = plans(1, 2)
     usual = ConstructParameters()
-    kept, errors = drop_without_contact(found, usual.spacing, usual.max_lost_contact)
-    assert len(kept) + len(errors) == len(found)
+    kept, errors = drop_without_contact(candidates, usual.spacing, usual.max_lost_contact)
+    assert len(kept) + len(errors) == len(candidates)
     assert all(error.reason == "lost-contact" for error in errors)
-    made = construct_plan(kept[0], usual)
-    assert min(made.overlap_ratios) > kept[0].bound - 0.01
+    transform = construct_plan(kept[0], usual)
+    assert min(transform.overlap_ratios) > kept[0].bound - 0.01
     # With no loss allowed at all nothing passes, and each says why.
-    none, errors = drop_without_contact(found, usual.spacing, -1.0)
-    assert none == [] and len(errors) == len(found)
+    none, errors = drop_without_contact(candidates, usual.spacing, -1.0)
+    assert none == [] and len(errors) == len(candidates)

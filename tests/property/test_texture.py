@@ -38,9 +38,9 @@ def deformed(seed: int) -> tuple[FloatArray, FloatArray]:
 
 @lru_cache
 def blob_warp(seed: int) -> tuple[Warp, FloatArray, FloatArray]:
-    made, target = deformed(seed)
+    assembled, target = deformed(seed)
     starts = np.array([0, 60, 120])
-    return make_warp(made, starts, target, target[starts]), made, target
+    return make_warp(assembled, starts, target, target[starts]), assembled, target
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -54,26 +54,26 @@ def test_no_deformation_is_the_identity(exact: Transform, side: Side) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_boundary_goes_to_the_boundary(seed: int) -> None:
-    warp, made, target = blob_warp(seed)
-    for given, found in ((made, warp.points[: warp.boundary]), (target, warp.images[: warp.boundary])):
-        ring = shapely.LinearRing(given)
-        assert shapely.distance(ring, shapely.points(found)).max() < 1e-12
+    warp, assembled, target = blob_warp(seed)
+    for outline, matched in ((assembled, warp.points[: warp.boundary]), (target, warp.images[: warp.boundary])):
+        ring = shapely.LinearRing(outline)
+        assert shapely.distance(ring, shapely.points(matched)).max() < 1e-12
         # Every vertex is there, and the way leads once around: the two regions are the same.
-        assert signed_area(found) == pytest.approx(signed_area(given), abs=1e-12)
-        assert shapely.LinearRing(found).length == pytest.approx(ring.length, abs=1e-9)
+        assert signed_area(matched) == pytest.approx(signed_area(outline), abs=1e-12)
+        assert shapely.LinearRing(matched).length == pytest.approx(ring.length, abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_corners_correspond_as_given(seed: int) -> None:
-    warp, made, target = blob_warp(seed)
+    warp, assembled, target = blob_warp(seed)
     starts = [0, 60, 120]
-    assert np.abs(warp(made[starts]) - target[starts]).max() < 1e-6
+    assert np.abs(warp(assembled[starts]) - target[starts]).max() < 1e-6
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_triangles_fill_the_shape_and_do_not_fold(seed: int) -> None:
-    warp, made, target = blob_warp(seed)
-    for points, outline in ((warp.points, made), (warp.images, target)):
+    warp, assembled, target = blob_warp(seed)
+    for points, outline in ((warp.points, assembled), (warp.images, target)):
         a, b, c = (points[warp.triangles[:, k]] for k in range(3))
         sizes = 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
         assert sizes.min() > 0.0
@@ -85,15 +85,15 @@ def star(size: float, points: int = 9) -> FloatArray:
     """A unit-area star, (2 · points, 2), whose first corner is a tip if ``size`` is positive, a notch else."""
     angle = np.arange(2 * points) * np.pi / points
     radius = 1.0 + size * np.cos(points * angle)
-    found = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-    return found / np.sqrt(signed_area(found))
+    outline = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    return outline / np.sqrt(signed_area(outline))
 
 
 @pytest.mark.parametrize("size", [0.05, 0.08])
 def test_tips_become_notches_without_folds(size: float) -> None:
     # A harmonic map alone folds 0.6 % of the larger of the two stars.
-    made, target = star(size), star(-size)
-    assert make_warp(made, np.array([0, 6]), target, target[[0, 6]]).folded == 0.0
+    assembled, target = star(size), star(-size)
+    assert make_warp(assembled, np.array([0, 6]), target, target[[0, 6]]).folded == 0.0
 
 
 def test_fold_is_reported() -> None:
@@ -118,11 +118,11 @@ def test_warp_is_deterministic() -> None:
 
 
 def test_what_cannot_be_mapped_is_refused() -> None:
-    made, target = deformed(0)
+    assembled, target = deformed(0)
     starts = np.array([0, 60, 120])
     with pytest.raises(WarpError, match="in order"):
-        make_warp(made, starts, target, target[[0, 120, 60]])
-    crossing = made.copy()
+        make_warp(assembled, starts, target, target[[0, 120, 60]])
+    crossing = assembled.copy()
     crossing[[0, 50]] = crossing[[50, 0]]
     with pytest.raises(WarpError, match="crosses itself"):
         make_warp(crossing, starts, target, target[starts])
@@ -147,14 +147,16 @@ def painted(path: Path, size: int = 200) -> tuple[Path, Shape]:
 def test_picture_follows_the_outline(tmp_path: Path, exact: Transform) -> None:
     path, shape = painted(tmp_path / "blob.png")
     # Another shape than the picture's: its outline is where that of the blob must appear.
-    made, _ = deformed(5)
+    assembled, _ = deformed(5)
     starts = np.array([0, 60, 120])
     corners = shape.points[[0, len(shape.points) // 3, 2 * len(shape.points) // 3]]
-    nearest = [int(np.argmin(((made - corner) ** 2).sum(axis=1))) for corner in corners]
+    nearest = [int(np.argmin(((assembled - corner) ** 2).sum(axis=1))) for corner in corners]
     order = np.argsort(nearest)
     starts = np.array(nearest)[order]
-    texture = PictureTexture(load_picture(path, shape), shape, make_warp(made, starts, shape.points, corners[order]))
-    rim = texture.colours(0, made, 0.004)
+    texture = PictureTexture(
+        load_picture(path, shape), shape, make_warp(assembled, starts, shape.points, corners[order])
+    )
+    rim = texture.colours(0, assembled, 0.004)
     assert (rim[:, 0] > 200).all()
     middle = texture.colours(0, np.zeros((1, 2)), 0.004)[0]
     assert middle[0] < 30
@@ -167,9 +169,9 @@ def test_undeformed_picture_is_the_picture(tmp_path: Path, exact: Transform) -> 
     texture = PictureTexture(load_picture(path, shape), shape, warp)
     xy = shape.points * 0.7
     at = shape.source(xy)
-    found = texture.colours(0, xy, 0.001).astype(float)
-    assert np.abs(found[:, 1] - at[:, 0]).max() < 2.0
-    assert np.abs(found[:, 2] - at[:, 1]).max() < 2.0
+    colours = texture.colours(0, xy, 0.001).astype(float)
+    assert np.abs(colours[:, 1] - at[:, 0]).max() < 2.0
+    assert np.abs(colours[:, 2] - at[:, 1]).max() < 2.0
 
 
 def test_wrong_pictures_are_refused(tmp_path: Path) -> None:
@@ -201,11 +203,11 @@ def test_a_picture_without_transparency_needs_its_mask(tmp_path: Path) -> None:
     mask.save(tmp_path / "mask.png")
     mask.resize((100, 100)).save(tmp_path / "small.png")
     mask.transpose(Image.Transpose.FLIP_LEFT_RIGHT).save(tmp_path / "other.png")
-    found = load_picture(tmp_path / "photo.jpg", shape, tmp_path / "mask.png").astype(float)
+    pixels = load_picture(tmp_path / "photo.jpg", shape, tmp_path / "mask.png").astype(float)
     wanted = load_picture(path, shape).astype(float)
-    assert found.shape == wanted.shape
+    assert pixels.shape == wanted.shape
     # All of the picture is the object, its rim carried outwards; of the white background nothing is left.
-    assert np.abs(found - wanted).mean() < 6.0 and found.min(axis=2).max() < 215.0
+    assert np.abs(pixels - wanted).mean() < 6.0 and pixels.min(axis=2).max() < 215.0
     with pytest.raises(TextureError, match=r"200 × 200 pixels, its mask .* 100 × 100") as small:
         load_picture(tmp_path / "photo.jpg", shape, tmp_path / "small.png")
     assert small.value.reason == "other-size"
@@ -259,5 +261,5 @@ def test_exact_transform_shows_its_picture(tmp_path: Path, exact: Transform, sid
     for i, piece in enumerate(exact.pieces):
         middle = np.array(shapely.Polygon(piece.polygon).representative_point().coords)
         placed = pose.place(i, middle)
-        found = texture.colours(i, placed, 0.002).astype(float)[0, :2]
-        assert found == pytest.approx(shape.source(placed)[0] * 200.0 / size, abs=1.5)
+        colour = texture.colours(i, placed, 0.002).astype(float)[0, :2]
+        assert colour == pytest.approx(shape.source(placed)[0] * 200.0 / size, abs=1.5)

@@ -33,8 +33,8 @@ BLINDNESS = (
 
 @pytest.fixture(scope="module", params=[(3, 1), (4, 2), (6, 5)], ids=str)
 def transform(request):
-    made = exact_transform(exact_pair(*request.param))
-    return replace(made, p=made.p.renamed("Tête & <b>'1'</b>"), q=made.q.renamed('"q"\x01'))
+    exact = exact_transform(exact_pair(*request.param))
+    return replace(exact, p=exact.p.renamed("Tête & <b>'1'</b>"), q=exact.q.renamed('"q"\x01'))
 
 
 def oklab(text, seen):
@@ -81,10 +81,12 @@ def distance_to(line, point):
 
 
 def test_the_straight_chain_has_p_below_and_q_above(transform):
-    parts = [mark for mark in chain_marks(transform, 1) if isinstance(mark, PlacedPiece)]
-    assert all(part.y == 0.0 and part.heading == 0.0 for part in parts)
-    assert sorted(part.piece for part in parts) == list(range(len(transform)))
-    ends = sorted((part.x, part.x + transform.pieces[part.piece].length) for part in parts)
+    placed_pieces = [mark for mark in chain_marks(transform, 1) if isinstance(mark, PlacedPiece)]
+    assert all(placed_piece.y == 0.0 and placed_piece.heading == 0.0 for placed_piece in placed_pieces)
+    assert sorted(placed_piece.piece for placed_piece in placed_pieces) == list(range(len(transform)))
+    ends = sorted(
+        (placed_piece.x, placed_piece.x + transform.pieces[placed_piece.piece].length) for placed_piece in placed_pieces
+    )
     assert ends[0][0] == 0.0
     assert all(a[1] == pytest.approx(b[0]) for a, b in pairwise(ends))
 
@@ -125,35 +127,35 @@ def test_marks_lie_within_the_figure(transform):
 
 @pytest.mark.parametrize("suffix", ["SVG", "png", "pdf"])
 def test_a_figure_is_the_same_every_time(tmp_path, suffix):
-    made = exact_transform(exact_pair(4, 2))
-    draw_transform(made, tmp_path / f"a.{suffix}")
-    draw_transform(made, tmp_path / f"b.{suffix}")
+    transform = exact_transform(exact_pair(4, 2))
+    draw_transform(transform, tmp_path / f"a.{suffix}")
+    draw_transform(transform, tmp_path / f"b.{suffix}")
     data = (tmp_path / f"a.{suffix}").read_bytes()
     assert data == (tmp_path / f"b.{suffix}").read_bytes()
     assert data.startswith({"svg": b"<svg ", "png": b"\x89PNG", "pdf": b"%PDF"}[suffix.lower()])
 
 
 def test_a_png_has_the_colours_of_the_pieces(tmp_path):
-    made = exact_transform(exact_pair(5, 3))
-    draw_transform(made, tmp_path / "a.png")
+    transform = exact_transform(exact_pair(5, 3))
+    draw_transform(transform, tmp_path / "a.png")
     with Image.open(tmp_path / "a.png") as picture:
-        found = {pixel for count, pixel in picture.convert("RGB").getcolors(1 << 20) if count > 2000}
+        frequent = {pixel for count, pixel in picture.convert("RGB").getcolors(1 << 20) if count > 2000}
     for k in range(5):
-        assert tuple(bytes.fromhex(PIECES[k][1:])) in found
+        assert tuple(bytes.fromhex(PIECES[k][1:])) in frequent
 
 
 def test_an_empty_exterior_piece_can_be_drawn(tmp_path):
-    made = exact_transform(dudeney())
-    draw_transform(made, tmp_path / "dudeney.pdf")
-    root = ET.fromstring(animate_svg(made))
+    transform = exact_transform(dudeney())
+    draw_transform(transform, tmp_path / "dudeney.pdf")
+    root = ET.fromstring(animate_svg(transform))
     assert root.tag == f"{SVG}svg"
 
 
 @pytest.mark.parametrize("name", ["a.gif", "a", "a.svgz"])
 def test_an_unknown_suffix_names_the_known_ones(tmp_path, name):
-    made = exact_transform(dudeney())
+    transform = exact_transform(dudeney())
     with pytest.raises(ValueError, match=r"\.svg, \.png, \.pdf") as caught:
-        draw_transform(made, tmp_path / name)
+        draw_transform(transform, tmp_path / name)
     assert isinstance(caught.value, RiotError)
     assert not list(tmp_path.iterdir())
 
@@ -202,9 +204,9 @@ class TestKeyframes:
 
     @pytest.mark.parametrize("times", [eased(97), np.linspace(0.0, 1.0, 11), np.array([0.37]), np.array([1.0, 0.0])])
     def test_is_the_poses_one_by_one(self, motion, times):
-        found, poses = keyframes(motion, times), [motion.pose_at(float(t)) for t in times]
-        assert np.allclose(found.headings, [pose.headings for pose in poses], rtol=0.0, atol=1e-12)
-        assert np.allclose(found.origins, [pose.origins for pose in poses], rtol=0.0, atol=1e-12)
+        frames, poses = keyframes(motion, times), [motion.pose_at(float(t)) for t in times]
+        assert np.allclose(frames.headings, [pose.headings for pose in poses], rtol=0.0, atol=1e-12)
+        assert np.allclose(frames.origins, [pose.origins for pose in poses], rtol=0.0, atol=1e-12)
 
     def test_counts_the_frames_of_the_poses_one_by_one(self, motion):
         for least in (1, 10, WAY_FRAMES):
@@ -215,7 +217,7 @@ class TestKeyframes:
     def test_its_frame_is_that_of_the_marks_of_every_pose(self, transform, motion):
         drawn, times = sketch(transform), eased(WAY_FRAMES)
         marks = [motion_marks(drawn, motion, float(t)) for t in times]
-        plain = around((extent(found, drawn.pieces) for found in marks), 0.05)
+        plain = around((extent(marks_of_pose, drawn.pieces) for marks_of_pose in marks), 0.05)
         assert swept_box(drawn, keyframes(motion, times), 0.05) == pytest.approx(plain, rel=0.0, abs=1e-12)
 
 
@@ -286,11 +288,11 @@ def piece_order(root):
 def key_frames(transform):
     """(n, frames, 3) x, y (downwards) and degrees of every piece in drawing order, and the lengths of their edges."""
     root = ET.fromstring(animate_svg(transform))
-    found = []
+    motions = []
     for group in root.find(f"{SVG}g[@class='r-move']"):
         move, turn_ = group.iter(f"{SVG}animateTransform")
         places = np.array([pair.split() for pair in move.get("values").split(";")], dtype=float) / 1000
         turns = np.array(turn_.get("values").split(";"), dtype=float)
         assert move.get("dur") == turn_.get("dur") and len(places) == len(turns)
-        found.append(np.column_stack([places, turns]))
-    return np.array(found), np.array([transform.pieces[i].length for i in piece_order(root)])
+        motions.append(np.column_stack([places, turns]))
+    return np.array(motions), np.array([transform.pieces[i].length for i in piece_order(root)])

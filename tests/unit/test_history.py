@@ -27,12 +27,12 @@ HISTORY = History(
 
 
 def test_a_history_reads_back_equal_and_changes_nothing_else() -> None:
-    made = exact_transform(exact_pair(4, 1))
-    text = to_json(replace(made, history=HISTORY))
+    transform = exact_transform(exact_pair(4, 1))
+    text = to_json(replace(transform, history=HISTORY))
     again = from_json(text)
     assert again.history == HISTORY and to_json(again) == text
-    assert to_json(replace(again, history=None)) == to_json(made)
-    assert from_json(to_json(made)).history is None
+    assert to_json(replace(again, history=None)) == to_json(transform)
+    assert from_json(to_json(transform)).history is None
 
 
 @pytest.mark.parametrize("field", ["maker", "pictures", "steps", "versions"])
@@ -64,10 +64,10 @@ def test_code_is_digested_by_name_and_content(tmp_path: Path) -> None:
         (tmp_path / folder / "inner" / "a.py").write_text("x = 1\n")
         (tmp_path / folder / "notes.txt").write_text(folder)
     (tmp_path / "three" / "inner" / "a.py").rename(tmp_path / "three" / "a.py")
-    one, two, three = (code_digest(tmp_path / folder) for folder in ("one", "two", "three"))
-    assert one == two != three
+    first, second, third = (code_digest(tmp_path / folder) for folder in ("one", "two", "three"))
+    assert first == second != third
     (tmp_path / "two" / "inner" / "a.py").write_text("x = 2\n")
-    assert code_digest(tmp_path / "two") != one
+    assert code_digest(tmp_path / "two") != first
 
 
 def drawn(path: Path, corners: list[tuple[float, float]]) -> Path:
@@ -82,23 +82,23 @@ def test_made_twice_in_two_places_the_file_is_the_same_and_tells(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     files = []
-    for place in ("here", "there"):
-        house = drawn(tmp_path / place / "house.png", [(40, 210), (40, 110), (120, 30), (200, 110), (200, 210)])
-        kite = drawn(tmp_path / place / "kite.png", [(120, 20), (210, 110), (120, 225), (40, 110)])
-        assert main(["make", str(house), str(kite), "-o", str(tmp_path / place)]) == 0
-        files.append(tmp_path / place / "house--kite.riot")
+    for folder in ("here", "there"):
+        house = drawn(tmp_path / folder / "house.png", [(40, 210), (40, 110), (120, 30), (200, 110), (200, 210)])
+        kite = drawn(tmp_path / folder / "kite.png", [(120, 20), (210, 110), (120, 225), (40, 110)])
+        assert main(["make", str(house), str(kite), "-o", str(tmp_path / folder)]) == 0
+        files.append(tmp_path / folder / "house--kite.riot")
     assert files[0].read_bytes() == files[1].read_bytes()
     assert str(tmp_path).encode() not in files[0].read_bytes()
     capsys.readouterr()
     assert main(["show", str(files[0]), "--history"]) == 0
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     for picture in (house, kite):
-        assert hashlib.sha256(picture.read_bytes()).hexdigest() in said
+        assert hashlib.sha256(picture.read_bytes()).hexdigest() in output
     for words in ("made by: riot make", "construct: code ", "  method = exact", "  tau_s = 0.1", "numba "):
-        assert words in said
-    made = Transform.load(files[0]).history
-    assert made is not None and made == record_history(
-        "riot make", (house, kite), {step.name: step.parameters for step in made.steps}
+        assert words in output
+    history = Transform.load(files[0]).history
+    assert history is not None and history == record_history(
+        "riot make", (house, kite), {step.name: step.parameters for step in history.steps}
     )
 
 

@@ -31,21 +31,21 @@ TAB = np.array([0, 0.42, 0.42 + 0.2j, 0.58 + 0.2j, 0.58, 1])
 
 def locked(hinges: Sequence[int], bump: npt.NDArray[np.complex128] = KNOB) -> Transform:
     """A transform of four pieces of which those that meet at some hinges cannot turn there."""
-    made = exact_transform(exact_pair(4, 3, curved=False, topology="star"))
-    n = len(made)
+    transform = exact_transform(exact_pair(4, 3, curved=False, topology="star"))
+    n = len(transform)
     lowers = []
-    for i, piece in enumerate(made.pieces):
+    for i, piece in enumerate(transform.pieces):
         start, centre, end = piece.lower
         first = bumped(start, centre, bump) if i in hinges else np.array([start, centre])
         last = bumped(end, centre, bump)[::-1] if (i + 1) % n in hinges else np.array([centre, end])
         lowers.append(np.concatenate([first[:-1], last]))
-    pieces = tuple(Piece(p.length, lower, p.upper) for p, lower in zip(made.pieces, lowers, strict=True))
-    return replace(made, pieces=pieces)
+    pieces = tuple(Piece(p.length, lower, p.upper) for p, lower in zip(transform.pieces, lowers, strict=True))
+    return replace(transform, pieces=pieces)
 
 
 def bumped(start: FloatArray, end: FloatArray, bump: npt.NDArray[np.complex128]) -> FloatArray:
-    found = complex(*start) + complex(*(end - start)) * bump
-    points = np.stack([found.real, found.imag], axis=1)
+    numbers = complex(*start) + complex(*(end - start)) * bump
+    points = np.stack([numbers.real, numbers.imag], axis=1)
     points[0], points[-1] = start, end
     return points
 
@@ -139,21 +139,26 @@ def test_lifted_pieces_rise_before_they_swing_and_lower_after(planned: Transform
 def test_the_file_keeps_the_plan(planned: Transform) -> None:
     again = from_json(to_json(planned))
     assert to_json(again) == to_json(planned)
-    one, two = plan(planned), plan(again)
-    assert one.tried == two.tried
-    assert (one.words, one.search, one.open_hinge, one.checks) == (two.words, two.search, two.open_hinge, two.checks)
-    assert np.array_equal(one.pose_at(0.3).origins, two.pose_at(0.3).origins)
+    first, second = plan(planned), plan(again)
+    assert first.tried == second.tried
+    assert (first.words, first.search, first.open_hinge, first.checks) == (
+        second.words,
+        second.search,
+        second.open_hinge,
+        second.checks,
+    )
+    assert np.array_equal(first.pose_at(0.3).origins, second.pose_at(0.3).origins)
     assert again.motion() is again.plan
 
 
 @pytest.mark.parametrize("name", ["dudeney", "star", "tab"])
 def test_what_can_swing_flat_does(name: str) -> None:
-    made = MADE[name]()
-    assert made.certificate().passed
-    motion = made.motion()
+    transform = MADE[name]()
+    assert transform.certificate().passed
+    motion = transform.motion()
     assert motion.flat
     assert motion.words == "swings flat"
-    assert made.motion() is motion
+    assert transform.motion() is motion
 
 
 def test_a_tab_slides_out_of_the_open_hinge() -> None:
@@ -166,9 +171,9 @@ def test_a_tab_slides_out_of_the_open_hinge() -> None:
     [([2], "needs 1 telescopic hinge"), ([1, 2], "needs 1 telescopic hinge"), ([0, 1, 3], "needs 2 telescopic hinges")],
 )
 def test_locked_hinges_open_or_lift(hinges: list[int], words: str) -> None:
-    made = locked(hinges)
-    assert made.certificate().passed
-    motion = made.motion()
+    transform = locked(hinges)
+    assert transform.certificate().passed
+    motion = transform.motion()
     assert motion.words == words
     assert {motion.open_hinge, *motion.lifted} >= set(hinges)
     # Why: each locked hinge was tried by itself.
@@ -178,9 +183,9 @@ def test_locked_hinges_open_or_lift(hinges: list[int], words: str) -> None:
 
 
 def test_a_lock_only_counts_with_less_play_than_it_is_high() -> None:
-    made = locked([1, 2])
-    assert plan_motion(made, MotionParameters(gap=1e-3)).lifted
-    assert plan_motion(made, MotionParameters(gap=0.1)).flat
+    transform = locked([1, 2])
+    assert plan_motion(transform, MotionParameters(gap=1e-3)).lifted
+    assert plan_motion(transform, MotionParameters(gap=0.1)).flat
 
 
 def test_planning_is_deterministic() -> None:
@@ -192,11 +197,11 @@ def test_every_search_finds_a_way_where_all_are_free() -> None:
     from riot.motion.bodies import make_bodies
     from riot.transform.motion import SEARCHES
 
-    made = exact_transform(dudeney())
-    bodies = make_bodies(made, MotionParameters())
-    hinge = made.motion().open_hinge
+    transform = exact_transform(dudeney())
+    bodies = make_bodies(transform, MotionParameters())
+    hinge = transform.motion().open_hinge
     pieces = (hinge + np.arange(4)) % 4
-    start, goal = (made.chain.turns(t)[pieces[1:]] for t in (0.0, 1.0))
+    start, goal = (transform.chain.turns(t)[pieces[1:]] for t in (0.0, 1.0))
     for search in SEARCHES:
         subchain = Subchain(bodies, pieces, start, goal)
         path = find_path(subchain, search, 300, 0)
@@ -207,12 +212,12 @@ def test_every_search_finds_a_way_where_all_are_free() -> None:
 
 
 def test_version_1_is_read_and_has_no_plan() -> None:
-    made = exact_transform(exact_pair(3, 1))
-    text = to_json(made)
+    transform = exact_transform(exact_pair(3, 1))
+    text = to_json(transform)
     assert '"version":2' in text
     old = from_json(text.replace('"version":2', '"version":1'))
     assert old.plan is None
-    assert np.array_equal(old.outline_p(), made.outline_p())
+    assert np.array_equal(old.outline_p(), transform.outline_p())
     with pytest.raises(FormatError, match="version 3"):
         from_json(text.replace('"version":2', '"version":3'))
 
@@ -236,9 +241,9 @@ def test_version_1_is_read_and_has_no_plan() -> None:
 )
 def test_damaged_plans_are_refused(path: tuple[str | int, ...], value: object) -> None:
     document = json.loads(to_json(locked([1, 2]).planned()))
-    place = document["motion"]
+    container = document["motion"]
     for key in path[:-1]:
-        place = place[key]
-    place[path[-1]] = value
+        container = container[key]
+    container[path[-1]] = value
     with pytest.raises(FormatError, match="damaged"):
         from_json(json.dumps(document))

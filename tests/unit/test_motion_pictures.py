@@ -30,50 +30,50 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
-def made() -> Transform:
+def transform() -> Transform:
     return exact_transform(exact_pair(4, 2)).planned()
 
 
-def lifting(made: Transform) -> Motion:
+def lifting(transform: Transform) -> Motion:
     """The made transform's motion as if hinge 2 had to lift."""
-    flat = plan_motion(made)
+    flat = plan_motion(transform)
     high = [(2 - flat.open_hinge) % 4 <= (i - flat.open_hinge) % 4 for i in range(4)]
     levels = np.array([[0] * 4, high, high, [0] * 4], dtype=np.int64)
     turns = flat.turns[[0, 0, -1, -1]]
     return replace(flat, lifted=(2,), times=np.array([0.0, LIFT, 1.0 - LIFT, 1.0]), turns=turns, levels=levels)
 
 
-def test_marks_are_the_poses_of_the_plan(made: Transform) -> None:
-    motion, drawn = made.motion(), sketch(made)
+def test_marks_are_the_poses_of_the_plan(transform: Transform) -> None:
+    motion, drawn = transform.motion(), sketch(transform)
     for t in (0.0, 0.3, 1.0):
         pose = motion.pose_at(t)
-        parts = [mark for mark in motion_marks(drawn, motion, t) if isinstance(mark, PlacedPiece)]
-        assert sorted(part.piece for part in parts) == list(range(4))
-        for part in parts:
-            assert (part.x, part.y) == tuple(pose.origins[part.piece])
-            assert part.heading == pose.headings[part.piece]
+        placed_pieces = [mark for mark in motion_marks(drawn, motion, t) if isinstance(mark, PlacedPiece)]
+        assert sorted(placed_piece.piece for placed_piece in placed_pieces) == list(range(4))
+        for placed_piece in placed_pieces:
+            assert (placed_piece.x, placed_piece.y) == tuple(pose.origins[placed_piece.piece])
+            assert placed_piece.heading == pose.headings[placed_piece.piece]
 
 
-def test_higher_planes_are_painted_over_lower_ones(made: Transform) -> None:
-    motion = lifting(made)
+def test_higher_planes_are_painted_over_lower_ones(transform: Transform) -> None:
+    motion = lifting(transform)
     top = motion.levels.max(axis=0)
     assert [top[i] for i in painting_order(motion)] == sorted(top)
-    dots = [mark for mark in motion_marks(made, motion, 0.5) if isinstance(mark, Dot)]
+    dots = [mark for mark in motion_marks(transform, motion, 0.5) if isinstance(mark, Dot)]
     assert [dot.pen for dot in dots].count("open") == 2
     assert len({dot.radius for dot in dots}) == 2
 
 
-def test_frames_are_so_many_that_no_piece_turns_far_between_two(made: Transform) -> None:
-    for motion in (made.motion(), exact_transform(dudeney()).motion()):
+def test_frames_are_so_many_that_no_piece_turns_far_between_two(transform: Transform) -> None:
+    for motion in (transform.motion(), exact_transform(dudeney()).motion()):
         frames = frame_count(motion, 10)
         turned = np.diff([motion.pose_at(float(t)).headings for t in eased(frames)], axis=0)
         assert frames >= 10
         assert np.abs(turned).max() < 1.1 * MAX_TURN
 
 
-def test_animation_turns_the_pieces_as_the_plan_does(made: Transform) -> None:
-    root = ET.fromstring(animate_svg(made))
-    motion = made.motion()
+def test_animation_turns_the_pieces_as_the_plan_does(transform: Transform) -> None:
+    root = ET.fromstring(animate_svg(transform))
+    motion = transform.motion()
     frames = frame_count(motion)
     moving = root.find(f"{SVG}g[@class='r-move']")
     assert moving is not None
@@ -87,28 +87,28 @@ def test_animation_turns_the_pieces_as_the_plan_does(made: Transform) -> None:
     assert motion.words in (root.findtext(f"{SVG}title") or "")
 
 
-def test_a_strip_shows_every_piece_in_every_pose(made: Transform, tmp_path: Path) -> None:
+def test_a_strip_shows_every_piece_in_every_pose(transform: Transform, tmp_path: Path) -> None:
     for suffix in ("svg", "png", "pdf"):
         for name in "ab":
-            draw_strip(made, tmp_path / f"{name}.{suffix}")
+            draw_strip(transform, tmp_path / f"{name}.{suffix}")
         assert (tmp_path / f"a.{suffix}").read_bytes() == (tmp_path / f"b.{suffix}").read_bytes()
     root = ET.fromstring((tmp_path / "a.svg").read_text(encoding="utf-8"))
     assert len(list(root.iter(f"{SVG}use"))) == 4 * STRIP_POSES
     assert any("swings flat" in (text.text or "") for text in root.iter(f"{SVG}text"))
 
 
-def test_the_poses_of_a_strip_do_not_overlap(made: Transform) -> None:
-    scene = strip_scene(made)
-    parts = [mark for mark in scene.marks if isinstance(mark, PlacedPiece)]
-    boxes = [extent(parts[4 * k : 4 * k + 4], scene.pieces) for k in range(STRIP_POSES)]
+def test_the_poses_of_a_strip_do_not_overlap(transform: Transform) -> None:
+    scene = strip_scene(transform)
+    placed_pieces = [mark for mark in scene.marks if isinstance(mark, PlacedPiece)]
+    boxes = [extent(placed_pieces[4 * k : 4 * k + 4], scene.pieces) for k in range(STRIP_POSES)]
     assert all(before[2] < after[0] for before, after in pairwise(boxes))
     assert all(scene.box[1] < y0 < y1 < scene.box[3] for _, y0, _, y1 in boxes)
     assert scene.box[0] < boxes[0][0] and boxes[-1][2] < scene.box[2]
 
 
-def test_a_gif_goes_there_and_back(made: Transform, tmp_path: Path) -> None:
+def test_a_gif_goes_there_and_back(transform: Transform, tmp_path: Path) -> None:
     for name in ("a.gif", "b.GIF"):
-        write_film(made, tmp_path / name, width=120)
+        write_film(transform, tmp_path / name, width=120)
     assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.GIF").read_bytes()
     with Image.open(tmp_path / "a.gif") as film:
         frames = []
@@ -117,7 +117,7 @@ def test_a_gif_goes_there_and_back(made: Transform, tmp_path: Path) -> None:
             frames.append(np.asarray(film.convert("RGB"), dtype=np.int64))
         assert film.width == 120
         assert film.info["loop"] == 0
-    turning = frame_count(made.motion())
+    turning = frame_count(transform.motion())
     assert len(frames) == 2 * turning
     differs = [np.abs(frames[0] - frame).mean() for frame in frames]
     assert max(differs) > 10.0
@@ -125,30 +125,30 @@ def test_a_gif_goes_there_and_back(made: Transform, tmp_path: Path) -> None:
     assert (frames[0] == 255).all(axis=2).mean() > 0.2  # paper
 
 
-def test_an_mp4_needs_its_writer(made: Transform, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_mp4_needs_its_writer(transform: Transform, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(name: str) -> None:
         raise ModuleNotFoundError(name)
 
     monkeypatch.setattr(importlib, "import_module", missing)
     with pytest.raises(FilmError, match=re.escape("riot-shapes[film]")) as caught:
-        write_film(made, tmp_path / "a.mp4")
+        write_film(transform, tmp_path / "a.mp4")
     assert isinstance(caught.value, RiotError)
     # The command says so before it starts on the long work: it has not even looked for the pictures.
     assert main(["make", "a.png", "b.png", "-o", str(tmp_path / "out"), "--mp4"]) == 2
     assert not list(tmp_path.iterdir())
 
 
-def test_an_mp4_is_a_film(made: Transform, tmp_path: Path) -> None:
+def test_an_mp4_is_a_film(transform: Transform, tmp_path: Path) -> None:
     writer = pytest.importorskip(MODULE)
-    write_film(made, tmp_path / "a.mp4", width=121)
+    write_film(transform, tmp_path / "a.mp4", width=121)
     frames, seconds = writer.count_frames_and_secs(str(tmp_path / "a.mp4"))
     assert frames > 200
-    assert seconds == pytest.approx(loop_seconds(frame_count(made.motion())), rel=0.01)
+    assert seconds == pytest.approx(loop_seconds(frame_count(transform.motion())), rel=0.01)
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
 
 
 @pytest.mark.parametrize("name", ["a.avi", "a", "a.png"])
-def test_an_unknown_film_is_refused(made: Transform, tmp_path: Path, name: str) -> None:
+def test_an_unknown_film_is_refused(transform: Transform, tmp_path: Path, name: str) -> None:
     with pytest.raises(ValueError, match=r"\.gif or \.mp4"):
-        write_film(made, tmp_path / name)
+        write_film(transform, tmp_path / name)
     assert not list(tmp_path.iterdir())

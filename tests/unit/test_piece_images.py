@@ -72,9 +72,9 @@ def test_a_skin_has_the_colours_of_the_assembled_shape(transform: Transform, ima
         assert (points.min(axis=0) > [x0, y0]).all() and (points.max(axis=0) < [x1, y1]).all()
         rows, columns = skin.pixels.shape[:2]
         column, row = (middle[0] - [x0, y1]) / [x1 - x0, y0 - y1] * [columns, rows]
-        found = skin.pixels[int(row), int(column)].astype(float)
-        assert found[:2] == pytest.approx(TEXTURES[side].of(pose.place(i, middle))[0], abs=1.0)
-        assert found[2] == TEXTURES[side].blue
+        colour = skin.pixels[int(row), int(column)].astype(float)
+        assert colour[:2] == pytest.approx(TEXTURES[side].of(pose.place(i, middle))[0], abs=1.0)
+        assert colour[2] == TEXTURES[side].blue
 
 
 def test_a_raster_covers_its_region_and_is_white_beyond() -> None:
@@ -84,10 +84,10 @@ def test_a_raster_covers_its_region_and_is_white_beyond() -> None:
     assert (pixels[-1, 0] == 0).all() and (pixels[0, 0] == 0).all() and (pixels[0, -1] == 255).all()
 
 
-def seen(picture: Image.Image, scene: Scene, part: PlacedPiece, place: FloatArray) -> FloatArray:
+def seen(picture: Image.Image, scene: Scene, placed_piece: PlacedPiece, point: FloatArray) -> FloatArray:
     """The mean colour of a picture of the scene around a place of a piece's frame."""
     x0, y0, x1, y1 = scene.box
-    x, y = (placed(part, place)[0] - [x0, y1]) / [x1 - x0, y0 - y1] * [picture.width, picture.height]
+    x, y = (placed(placed_piece, point)[0] - [x0, y1]) / [x1 - x0, y0 - y1] * [picture.width, picture.height]
     pixels = np.asarray(picture.convert("RGB"), dtype=np.float64)
     return pixels[int(y) - 1 : int(y) + 2, int(x) - 1 : int(x) + 2].mean(axis=(0, 1))
 
@@ -100,10 +100,10 @@ def test_a_png_shows_them_where_the_pieces_lie(
     scene = Scene("", extent(marks, transform.pieces), 0.002, transform.pieces, marks, images)
     (tmp_path / "seen.png").write_bytes(png_bytes(scene))
     with Image.open(tmp_path / "seen.png") as picture:
-        for part, middle in zip(marks, middles(transform), strict=True):
-            found = seen(picture, scene, part, middle)
-            assert found[:2] == pytest.approx(TEXTURES[side].of(placed(part, middle))[0], abs=4.0)
-            assert found[2] == pytest.approx(TEXTURES[side].blue, abs=4.0)
+        for placed_piece, middle in zip(marks, middles(transform), strict=True):
+            colour = seen(picture, scene, placed_piece, middle)
+            assert colour[:2] == pytest.approx(TEXTURES[side].of(placed(placed_piece, middle))[0], abs=4.0)
+            assert colour[2] == pytest.approx(TEXTURES[side].blue, abs=4.0)
 
 
 def test_a_film_carries_them_along(transform: Transform, images: PieceImages, tmp_path: Path) -> None:

@@ -25,67 +25,71 @@ from riot.transform.transform import Piece
 
 
 @pytest.fixture(scope="module")
-def made() -> Transform:
+def transform() -> Transform:
     return exact_transform(exact_pair(5, 2))
 
 
-def test_exact_pair_is_certified(made: Transform) -> None:
-    certificate = made.certificate()
+def test_exact_pair_is_certified(transform: Transform) -> None:
+    certificate = transform.certificate()
     assert certificate.passed
     assert certificate.failure == ""
     assert certificate.residual < 1e-12
-    assert made.deformation().iou == pytest.approx(1.0, abs=1e-9)
-    assert made.deformation().hausdorff_p < 1e-9
+    assert transform.deformation().iou == pytest.approx(1.0, abs=1e-9)
+    assert transform.deformation().hausdorff_p < 1e-9
 
 
-def test_poses_at_the_ends_are_the_shapes(made: Transform) -> None:
-    for t, outline in ((0.0, made.outline_p()), (1.0, made.outline_q())):
-        union = shapely.union_all([shapely.Polygon(part) for part in made.parts(made.pose(t))])
+def test_poses_at_the_ends_are_the_shapes(transform: Transform) -> None:
+    for t, outline in ((0.0, transform.outline_p()), (1.0, transform.outline_q())):
+        union = shapely.union_all([shapely.Polygon(polygon) for polygon in transform.parts(transform.pose(t))])
         assert union.symmetric_difference(shapely.Polygon(outline)).area < 1e-9
 
 
 @pytest.mark.parametrize("hinge", range(5))
-def test_any_hinge_may_be_the_open_one(made: Transform, hinge: int) -> None:
-    for t, still in ((0.0, made.pose(0.0)), (1.0, made.pose(1.0))):
-        pose = made.pose(t, open_hinge=hinge)
+def test_any_hinge_may_be_the_open_one(transform: Transform, hinge: int) -> None:
+    for t, still in ((0.0, transform.pose(0.0)), (1.0, transform.pose(1.0))):
+        pose = transform.pose(t, open_hinge=hinge)
         assert pose.origins == pytest.approx(still.origins, abs=1e-12)
         assert np.exp(1j * pose.headings) == pytest.approx(np.exp(1j * still.headings), abs=1e-12)
     # On the way all hinges but the open one hold.
-    pose = made.pose(0.4, open_hinge=hinge)
-    for j in range(len(made)):
-        end = pose.place(j - 1, np.array([[made.pieces[j - 1].length, 0.0]]))[0]
+    pose = transform.pose(0.4, open_hinge=hinge)
+    for j in range(len(transform)):
+        end = pose.place(j - 1, np.array([[transform.pieces[j - 1].length, 0.0]]))[0]
         apart = float(np.hypot(*(end - pose.origins[j])))
         assert (apart > 1e-3) if j == hinge else (apart < 1e-12)
 
 
-def test_pieces_stay_rigid(made: Transform) -> None:
-    areas = [shapely.Polygon(piece.polygon).area for piece in made.pieces]
+def test_pieces_stay_rigid(transform: Transform) -> None:
+    areas = [shapely.Polygon(piece.polygon).area for piece in transform.pieces]
     for t in (0.1, 0.5, 0.9):
-        assert [shapely.Polygon(part).area for part in made.parts(made.pose(t))] == pytest.approx(areas, abs=1e-12)
+        assert [shapely.Polygon(polygon).area for polygon in transform.parts(transform.pose(t))] == pytest.approx(
+            areas, abs=1e-12
+        )
 
 
-def test_certificate_sees_a_wrong_piece(made: Transform) -> None:
-    fat = made.pieces[0]
+def test_certificate_sees_a_wrong_piece(transform: Transform) -> None:
+    fat = transform.pieces[0]
     bulged = Piece(fat.length, fat.lower * np.array([1.0, 1.02]), fat.upper)
-    certificate = replace(made, pieces=(bulged, *made.pieces[1:])).certificate()
+    certificate = replace(transform, pieces=(bulged, *transform.pieces[1:])).certificate()
     assert not certificate.passed
     assert "Q: pieces" in certificate.failure
     assert "P:" not in certificate.failure.replace("Q:", "")
 
 
-def test_certificate_sees_hinges_that_miss(made: Transform) -> None:
-    angles = made.angles.copy()
+def test_certificate_sees_hinges_that_miss(transform: Transform) -> None:
+    angles = transform.angles.copy()
     angles[1] += 1e-6
-    certificate = replace(made, angles=angles).certificate()
+    certificate = replace(transform, angles=angles).certificate()
     assert not certificate.passed
     assert certificate.p.hinge > 1e-8
     assert "hinges" in certificate.failure
 
 
-def test_certificate_sees_a_crossing_outline(made: Transform) -> None:
-    piece = made.pieces[0]
+def test_certificate_sees_a_crossing_outline(transform: Transform) -> None:
+    piece = transform.pieces[0]
     lower = np.concatenate([piece.lower[:1], piece.lower[1:-1][::-1], piece.lower[-1:]])
-    certificate = replace(made, pieces=(Piece(piece.length, lower, piece.upper), *made.pieces[1:])).certificate()
+    certificate = replace(
+        transform, pieces=(Piece(piece.length, lower, piece.upper), *transform.pieces[1:])
+    ).certificate()
     assert not certificate.passed
     assert not certificate.p.simple
     # Its areas are numbers still: those of what is enclosed an odd number of times.
@@ -93,13 +97,15 @@ def test_certificate_sees_a_crossing_outline(made: Transform) -> None:
     assert certificate.residual > 1e-3
 
 
-def test_a_crossing_that_encloses_nothing_costs_no_area_and_fails(made: Transform) -> None:
+def test_a_crossing_that_encloses_nothing_costs_no_area_and_fails(transform: Transform) -> None:
     """A whisker, out and back along the outline's own line: the areas stay, the certificate does not."""
-    piece = made.pieces[0]
+    piece = transform.pieces[0]
     middle = len(piece.lower) // 2
     root, tip = piece.lower[middle], piece.lower[middle] + 0.1 * (piece.lower[middle + 1] - piece.lower[middle])
     lower = np.concatenate([piece.lower[: middle + 1], [tip, root], piece.lower[middle + 1 :]])
-    certificate = replace(made, pieces=(Piece(piece.length, lower, piece.upper), *made.pieces[1:])).certificate()
+    certificate = replace(
+        transform, pieces=(Piece(piece.length, lower, piece.upper), *transform.pieces[1:])
+    ).certificate()
     assert not certificate.passed and not certificate.p.simple
     assert certificate.residual < 1e-9
 
@@ -120,12 +126,12 @@ def test_comparison_of_shifted_squares() -> None:
     assert 0.0 < mean < far
 
 
-def test_file_reads_back_to_the_last_bit(made: Transform, tmp_path: Path) -> None:
+def test_file_reads_back_to_the_last_bit(transform: Transform, tmp_path: Path) -> None:
     path = tmp_path / "é 1.riot"
-    made.save(path)
+    transform.save(path)
     again = Transform.load(path)
-    assert to_json(again) == path.read_text(encoding="utf-8") == to_json(made)
-    assert np.array_equal(again.outline_p(), made.outline_p())
+    assert to_json(again) == path.read_text(encoding="utf-8") == to_json(transform)
+    assert np.array_equal(again.outline_p(), transform.outline_p())
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -158,24 +164,24 @@ def test_other_files_are_refused(text: str, words: str) -> None:
         (("pieces",), 5),
     ],
 )
-def test_damaged_numbers_are_refused(made: Transform, path: tuple[str | int, ...], value: object) -> None:
-    document = json.loads(to_json(made))
-    place = document
+def test_damaged_numbers_are_refused(transform: Transform, path: tuple[str | int, ...], value: object) -> None:
+    document = json.loads(to_json(transform))
+    container = document
     for key in path[:-1]:
-        place = place[key]
-    place[path[-1]] = value
+        container = container[key]
+    container[path[-1]] = value
     with pytest.raises(FormatError, match="damaged"):
         from_json(json.dumps(document))
 
 
-def test_saving_where_it_cannot_leaves_nothing(made: Transform, tmp_path: Path) -> None:
+def test_saving_where_it_cannot_leaves_nothing(transform: Transform, tmp_path: Path) -> None:
     target = tmp_path / "folder.riot"
     (target / "inner").mkdir(parents=True)
     with pytest.raises(OSError, match=r"folder\.riot"):
-        made.save(target)
+        transform.save(target)
     assert [path.name for path in tmp_path.iterdir()] == ["folder.riot"]
     with pytest.raises(FileNotFoundError, match=r"made\.riot"):
-        made.save(tmp_path / "missing" / "made.riot")
+        transform.save(tmp_path / "missing" / "made.riot")
 
 
 def draw(path: Path, points: list[tuple[float, float]]) -> Path:
@@ -196,17 +202,17 @@ def test_make_writes_transform_and_pictures(tmp_path: Path, capsys: pytest.Captu
     assert "certificate: passed" in printed
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert names == sorted(f"house--kite{suffix}" for suffix in MADE)
-    made = Transform.load(tmp_path / "out" / "house--kite.riot")
-    assert made.certificate().passed
-    assert made.plan is not None
-    words = f"motion: {made.plan.words}"
+    transform = Transform.load(tmp_path / "out" / "house--kite.riot")
+    assert transform.certificate().passed
+    assert transform.plan is not None
+    words = f"motion: {transform.plan.words}"
     assert words in printed
     assert main(["show", str(tmp_path / "out" / "house--kite.riot")]) == 0
     shown = capsys.readouterr().out
     assert words in shown
     (change,) = (line for line in shown.splitlines() if "change / least change" in line)
-    deformation = made.deformation()
-    assert f"{change_ratio(deformation.iou_p, made.bound_p):.3f}" in change
+    deformation = transform.deformation()
+    assert f"{change_ratio(deformation.iou_p, transform.bound_p):.3f}" in change
     assert "bending / input's" in shown and "directions off, degrees" in shown
 
 
@@ -226,9 +232,9 @@ def test_commands_tell_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixtu
         (["show", str(square)], "not a .riot file"),
     ):
         assert main(arguments) == 2
-        said = capsys.readouterr()
-        assert words in said.err
-        assert said.out == ""
+        output = capsys.readouterr()
+        assert words in output.err
+        assert output.out == ""
     assert not Path(out).exists()
 
 
