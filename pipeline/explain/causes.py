@@ -17,48 +17,48 @@ from pipeline.store.store import State, Store
 Changes = tuple[str, ...]
 
 Cause = tuple[str, str]
-"""The stage that it began in, and what it is."""
+"""The stage in which a change began, and the change in words."""
 
 NOTHING_STORED = "new: nothing of this stage is in the store"
 
 NOT_DONE = "not done yet: all that it reads is in the store (a run ended before it, it failed, or none asked for it)"
 
 FEW = 3
-"""So many names, or causes of one work item, are told."""
+"""Most names, or causes of a work item, that an explanation lists: one line of a terminal (ours)."""
 
 
 class Causes:
-    """Why work items are not in the store, against the nearest of what it has of the same stage.
+    """Explain why work items are not in the store, by comparison with the nearest stored artifacts of their stages.
 
-    Asked stage after stage: what a stage hands on is told by its own cause.
+    Ask stage after stage: a change that a stage inherits is explained by the cause found for the earlier stage.
     """
 
     def __init__(self, store: Store, pictures: Pictures | None = None) -> None:
         self._store, self._pictures = store, pictures or Pictures()
         self._known: dict[str, list[Known]] = {}
-        self._of: dict[str, tuple[Cause, ...]] = {}
+        self._causes_of: dict[str, tuple[Cause, ...]] = {}
 
-    def of(self, missing: Iterable[WorkItem]) -> Counter[str]:
-        """The causes of each, as one text, counted. Later calls know them."""
+    def count(self, missing: Iterable[WorkItem]) -> Counter[str]:
+        """Count the work items by the text of their causes; later calls refer to these causes."""
         return Counter(self._text(item) for item in missing)
 
     def _text(self, item: WorkItem) -> str:
         own = self._own(item)
         own_texts = {text for _, text in own}
-        inherited: dict[str, Cause] = {}  # by what it is: what changed several inputs is told of the first
+        inherited: dict[str, Cause] = {}  # by the change: one that reaches several inputs is listed once
         for cause in (
-            cause for key in item.parts.inputs for cause in self._of.get(key, ()) if cause[1] not in own_texts
+            cause for key in item.parts.inputs for cause in self._causes_of.get(key, ()) if cause[1] not in own_texts
         ):
             inherited.setdefault(cause[1], cause)
         causes = (*own, *inherited.values()) or self._inputs(item)
-        self._of[item.key] = causes
+        self._causes_of[item.key] = causes
         if item.stage == "ingest":
-            self._of |= {alone.key(): causes for alone in item.parts.each_input()}
+            self._causes_of |= {alone.key(): causes for alone in item.parts.each_input()}
         words = [text if stage == item.stage else f"after {stage}: {text}" for stage, text in causes]
         return "; ".join(_few(words))
 
     def _own(self, item: WorkItem) -> tuple[Cause, ...]:
-        """What is other in the item itself than in the nearest stored one, inputs aside."""
+        """Which parts of the item's key, except its inputs, differ from the nearest stored artifact."""
         if self._store.state(*item.reference) is State.CORRUPT:
             return ((item.stage, "corrupt: the stored artifact is torn, truncated or altered"),)
         if item.stage not in self._known:
@@ -69,7 +69,7 @@ class Causes:
         return tuple((item.stage, text) for text in stored.changes(item.parts.to_json()))
 
     def _inputs(self, item: WorkItem) -> tuple[Cause, ...]:
-        """What is other in the inputs, if nothing that made them is: all of them are in the store."""
+        """How the inputs differ from the nearest stored artifact's, if nothing else does and all inputs are stored."""
         stored = nearest(item.parts.to_json(), self._known[item.stage])
         if item.stage == "ingest":
             return (("ingest", self._pictures.changed(item, stored)),)
@@ -82,17 +82,17 @@ class Causes:
 
 @dataclass(frozen=True)
 class Pictures:
-    """What is in the collection, and the folder of the run before, whose tables tell what was in it then."""
+    """The pictures of the collection, and the folder of the previous run, whose tables list the pictures it had."""
 
     items: tuple[Item, ...] = ()
     folder: Path | None = None
 
     @cached_property
     def before(self) -> Mapping[str, str]:
-        """Digests of the shapes of the run before, by name; empty ones of files that gave no shape."""
+        """Digests of the previous run's shapes, by name; empty for a file without a shape."""
         if self.folder is None:
             return {}
-        import pyarrow.parquet as pq  # here: only an explanation needs it
+        import pyarrow.parquet as pq  # imported here because only an explanation needs it
 
         try:
             shapes = pq.read_table(self.folder / "shapes.parquet", columns=["name", "digest"]).to_pydict()
@@ -103,40 +103,40 @@ class Pictures:
 
     @cached_property
     def removed(self) -> str:
-        """What was a shape before and is in the collection no longer, under whatever name, in words; "" for nothing."""
+        """Which shapes of the previous run are no longer in the collection under any name, in words; "" if none."""
         left = {item.digest for item in self.items} | {item.name for item in self.items}
         gone = [name for name, digest in self.before.items() if digest and left.isdisjoint((name, digest))]
         return _listed("picture removed", gone)
 
-    def told(self, new: Sequence[Item]) -> str:
-        """Which of some new items are in the place of others, and which are additional, in words."""
+    def describe(self, new: Sequence[Item]) -> str:
+        """Which of the ``new`` items replace others of the same name, and which are additional, in words."""
         replaced = [item.shown_source for item in new if item.name in self.before]
         added = [item.shown_source for item in new if item.name not in self.before]
         word = "picture added" if self.before else "picture new to the store"
         return "; ".join(filter(None, (_listed("picture replaced", replaced), _listed(word, added))))
 
     def changed(self, batch: WorkItem, stored: Known) -> str:
-        """Which pictures make a batch another than the ``stored`` ones, which differ from it in nothing else."""
+        """Which pictures make a batch differ from the ``stored`` batches, whose keys are otherwise equal, in words."""
         new = [item for item in batch.spec if item.digest not in stored.inputs]
-        # A batch of known pictures is another one because of its neighbours.
+        # If all pictures of a batch are known, a change beside the batch moved its limits.
         others = [item for item in self.items if item.digest not in stored.inputs]
-        around = "; ".join(filter(None, (self.removed, self.told(others))))
-        return self.told(new) or around or "pictures in other batches, each known"
+        around = "; ".join(filter(None, (self.removed, self.describe(others))))
+        return self.describe(new) or around or "pictures in other batches, each known"
 
 
 @dataclass(frozen=True)
 class Known:
-    """Stored keys that differ in their inputs only: what they share, and all their inputs."""
+    """Stored keys that differ in their inputs only: the parts that they share, and all their inputs."""
 
     shared: Mapping[str, Any]
     inputs: frozenset[str]
 
     def changes(self, parts: Mapping[str, Any]) -> list[str]:
-        """Components of a key that differ from what these share, with old and new values."""
+        """Components of a key that differ from the shared ones, with old and new values."""
         return _differences("", self.shared, _shared(parts))
 
     def new_inputs(self, inputs: Collection[str]) -> str:
-        """How a key's inputs differ from these, in words."""
+        """How a key's inputs differ from the stored ones, in words."""
         new = set(inputs) - self.inputs
         if not new:
             return "inputs: known ones in a combination that is not done yet, or under other names"
@@ -153,7 +153,7 @@ def gather(stored: Iterable[Mapping[str, Any]]) -> list[Known]:
 
 
 def explain(parts: Mapping[str, Any], known: Sequence[Known]) -> Changes:
-    """Which components of a key differ from the nearest of the ``known`` ones, with old and new values."""
+    """List the components of a key that differ from the nearest of the ``known`` keys, with old and new values."""
     if not known:
         return (NOTHING_STORED,)
     stored = nearest(parts, known)
@@ -161,13 +161,13 @@ def explain(parts: Mapping[str, Any], known: Sequence[Known]) -> Changes:
 
 
 def nearest(parts: Mapping[str, Any], known: Sequence[Known]) -> Known:
-    """Of the ``known`` keys those that differ in the fewest components; of such, those that share the most inputs."""
+    """The ``known`` keys that differ in the fewest components; among equals, those that share the most inputs."""
     inputs = set(parts["inputs"])
     return min(known, key=lambda old: (len(old.changes(parts)), -len(inputs & old.inputs)))
 
 
 def _shared(parts: Mapping[str, Any]) -> dict[str, Any]:
-    # parameters.item is what tells one work item from another beside its inputs.
+    # parameters.item tells apart work items with the same inputs.
     parameters = {name: value for name, value in parts["parameters"].items() if name != "item"}
     return {"schema": parts["schema"], "parameters": parameters, "code": parts["code"], "versions": parts["versions"]}
 

@@ -1,4 +1,4 @@
-"""Forecast: what a run would find in the store and what it would do, stage by stage, without doing anything."""
+"""Forecast what a run would read from the store and what it would compute, stage by stage, without computing."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from pipeline.store.store import State, Store
 
 @dataclass(frozen=True)
 class StageForecast:
-    """What a run would do in one stage; ``items`` is None while what they depend on is not known."""
+    """What a run would do in a stage; ``items`` is None if it depends on work that is not done."""
 
     stage: Stage
     items: int | None
     cached: int = 0
     corrupt: int = 0
     seconds: float | None = None
-    """Estimate of the work left on one worker, from what the stage's artifacts in the store once took."""
+    """Estimated time of the missing work on one worker, from the mean time of the stage's stored artifacts."""
     missing: tuple[WorkItem, ...] = ()
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a run would do, and the pictures that it would read."""
+    """The work of a run, by stage, and the pictures that it would read."""
 
     stages: tuple[StageForecast, ...]
     pictures: Pictures
 
 
 def forecast(config: Config, store: Store) -> Forecast:
-    """What a run would find and do; raises `pipeline.datasets.collection.DatasetError` when there is no collection."""
+    """Forecast a run; raises `pipeline.datasets.collection.DatasetError` if there is no collection."""
     read = ArtifactReader(store.get)
     collection = collect(config.dataset)
     progress = begin(config, collection, recipes(config), lambda item: read(*item.reference))
@@ -52,7 +52,7 @@ def forecast(config: Config, store: Store) -> Forecast:
             stages.append(StageForecast(stage, None))
             continue
         items = stage.items(progress)
-        # As if all went well: later stages are planned as they would be then.
+        # Later stages are planned as if this one succeeds.
         progress = progress.with_work(stage.name, items, progress.done | {item.reference for item in items})
         if items or not (stage.optional and stage.scope == "pair"):
             stages.append(_look(stage, items, store))

@@ -11,11 +11,11 @@ from pipeline.explain.forecast import Forecast
 from pipeline.store.store import Store
 
 MOST_SHOWN = 20
-"""Lines of causes for each stage."""
+"""Most lines of causes for a stage: a screen (ours)."""
 
 
 def show_plan(forecast: Forecast, config: Config, console: Console) -> None:
-    """Print what would run."""
+    """Print the work of each stage."""
     table = Table(title="Plan: nothing was run", title_justify="left")
     table.add_column("stage")
     table.add_column("work items")
@@ -35,7 +35,7 @@ def show_plan(forecast: Forecast, config: Config, console: Console) -> None:
 
 
 def show_explanation(forecast: Forecast, store: Store, console: Console) -> None:
-    """Print for every stage with work left which components of its keys changed, old and new."""
+    """Print which components of its keys changed, for every stage with missing work."""
     causes = Causes(store, forecast.pictures)
     for row in forecast.stages:
         stage = row.stage
@@ -45,7 +45,7 @@ def show_explanation(forecast: Forecast, store: Store, console: Console) -> None
             console.print(f"{stage.name}: all {row.items} cached", highlight=False)
         else:
             console.print(f"{stage.name}: {len(row.missing)} of {row.items} to do, because", highlight=False)
-            counted = causes.of(row.missing).most_common()
+            counted = causes.count(row.missing).most_common()
             for text, count in counted[:MOST_SHOWN]:
                 console.print(f"  {count} × {text}", highlight=False, markup=False, soft_wrap=True)
             if counted[MOST_SHOWN:]:

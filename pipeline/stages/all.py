@@ -17,9 +17,9 @@ from pipeline.store.artifact import canonical_json
 
 
 def in_order(stages_by_name: Mapping[str, Stage]) -> tuple[Stage, ...]:
-    """Stages by what they come after; of those that could be next, the first by name.
+    """Sort stages so that each comes after those that it names; of several that may be next, the first by name.
 
-    Raises KeyError for a stage that comes after one that does not exist, CycleError if the order has no beginning.
+    Raises KeyError if a stage comes after one that does not exist, CycleError if stages come after each other.
     """
     sorter = TopologicalSorter({name: stage.after for name, stage in stages_by_name.items()})
     sorter.prepare()

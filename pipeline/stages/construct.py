@@ -154,6 +154,13 @@ STAGE = Stage(
                 Column("status", "string", "certified, approximate (not exact: the paper's method), or rejected"),
                 Column("reason", "string", "why it was rejected, one word"),
                 Column("message", "string", "why it was rejected, in words"),
+            ),
+            lambda artifact: artifact.document,
+            after="class_j",
+        ),
+        TableColumns(
+            "transforms",
+            (
                 Column("n", "int8", "pieces", "count"),
                 Column("iou", "float64", "intersection over union with the input, of the worse shape", RATIO),
                 Column("iou_p", "float64", "of P with its input", RATIO),

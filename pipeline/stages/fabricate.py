@@ -134,6 +134,13 @@ STAGE = Stage(
                 ),
                 Column("reason", "string", "why it failed or was refused, one word"),
                 Column("message", "string", "why, in words, and which parameter would mend it"),
+            ),
+            lambda artifact: artifact.document,
+            after="class_j",
+        ),
+        TableColumns(
+            "fabrications",
+            (
                 Column("size", "float64", "long side of the larger shape", MM),
                 Column("thickness", "float64", "of the pieces, in whole layers of the printer", MM),
                 Column("pin", "float64", "diameter of the pins", MM),

@@ -76,7 +76,9 @@ STAGE = Stage(
         TableColumns(
             "transforms",
             (
-                Column("paper_iou", "float64", "IoU of the worse shape by the paper's method, null = none", RATIO),
+                Column(
+                    "paper_iou", "float64", "IoU of the worse shape by the paper's method; null = not compared", RATIO
+                ),
                 Column("paper_gaps", "float64", "area of its gaps in the trunk of the greatest residual", AREA),
                 Column("paper_overlaps", "float64", "area of its overlaps in that trunk", AREA),
                 Column("paper_outside", "float64", "area of its pieces outside of that trunk", AREA),

@@ -1,4 +1,4 @@
-"""What a stage is: its name, the parameters that it reads, how its work is planned and done, what tables show of it."""
+"""The definition of a stage: its parameters, how its work is planned and done, and what the tables show of it."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from pipeline.store.artifact import AnyArray, Artifact
 from pipeline.store.keys import canonical_value
 
 Scope = Literal["batch", "block", "collection", "shape", "pair"]
-"""What one work item concerns: a batch of shapes, the pairs between two batches (or of a batch and a shard), the whole
-collection, one shape, or one pair."""
+"""The extent of a work item: a batch of shapes, the pairs between two batches (or a batch and a shard), the whole
+collection, a shape, or a pair."""
 
 
 @dataclass(frozen=True)
@@ -42,31 +42,32 @@ class Ragged:
 class TableColumns:
     """Columns that a stage adds to a table.
 
-    ``values`` gives them, by name, of one of the stage's artifacts. Of a stage of batches these are arrays, lists or
-    `Ragged`, an entry for each shape of the batch; an array ``index`` tells of which shape each entry is where there
-    are several for one. Of a stage of pairs they are plain values; what is absent is null.
-    With ``meaning`` the table is the stage's own.
+    ``values`` computes them, by name, from an artifact of the stage. A stage of batches gives arrays, lists or `Ragged`
+    with an entry for each shape of the batch; if a shape may have several entries, an array ``index`` gives the shape
+    of each. A stage of pairs gives plain values; a missing one is null. ``meaning`` is that of a table which the stage
+    adds. The columns follow the column ``after`` of the table, or come last.
     """
 
     table: str
     columns: tuple[Column, ...]
     values: Callable[[Artifact], Mapping[str, Any]]
     meaning: str = ""
+    after: str = ""
 
 
 @dataclass(frozen=True)
 class SubBlocks:
-    """How the work of a block is done in pieces, to find what in it hangs or ends its process.
+    """How the work of a block is divided, to find the pairs of it that hang or kill a worker.
 
-    ``join`` makes of the artifacts of all sub-blocks but the lost ones what the whole would have made. With
-    ``columns_are_shapes`` a block lies between two batches; else between a batch and a shard, which is one column.
+    ``join`` makes the block's artifact from those of its sub-blocks, except the lost ones. With ``columns_are_shapes``
+    a block lies between two batches; else between a batch and a shard, which counts as a single column.
     """
 
     join: Callable[[Sequence[Artifact], Sequence[SubBlock]], Artifact]
     columns_are_shapes: bool
 
     def whole(self, progress: Progress, item: WorkItem) -> SubBlock:
-        """All of a work item as a sub-block."""
+        """The sub-block that is the whole block."""
         a, b = _block(item)
         columns = len(progress.batches[b]) if self.columns_are_shapes else 1
         return SubBlock(item.spec, (0, len(progress.batches[a])), (0, columns))
@@ -81,7 +82,7 @@ class SubBlocks:
 
 
 def _block(item: WorkItem) -> tuple[int, int]:
-    assert item.block is not None, "a stage of blocks tells the block of each work item"
+    assert item.block is not None, "a stage of blocks gives each work item its block"
     return item.block
 
 
@@ -95,42 +96,42 @@ def _always(config: Config) -> bool:
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of the method, all of it in one file: a module of `pipeline.stages` that defines ``STAGE``.
+    """A stage of the method. All of it is in one file: a module of `pipeline.stages` that defines ``STAGE``.
 
     Attributes
     ----------
     name : str
-        As in keys, tables and messages.
+        Its name in keys, tables and messages.
     unit : str
-        What its work items are, in the plural.
+        What its work items are, in the plural, for messages.
     after : tuple of str
-        Stages that come before it; their order follows from this.
+        Stages that come before it.
     parameters : tuple of str
-        Groups of the configuration, or single parameters, that ``run`` gets and that enter its keys.
+        Groups of the configuration, or single parameters, that ``run`` reads; they enter its keys.
     items : callable
-        Plans its work items of what is known (`Progress`).
+        Plans its work items from what is known so far (`Progress`).
     run : callable
-        (inputs, parameters, spec) → artifact. The digest of its code is that of everything that it reaches.
+        (inputs, parameters, spec) → artifact. All code that it reaches enters the stage's keys.
     scope : Scope
-        What a work item concerns.
+        The extent of a work item.
     prepare : callable
-        Makes of an artifact what ``run`` gets as an input; once for all work items of a task.
+        Turns an artifact into an input of ``run``, once for all work items of a task.
     known_after : str
-        The stage whose results tell what there is to do; empty where it is known before anything is computed.
+        The stage whose results decide its work items; empty if they are known before anything is computed.
     wanted : callable
         Whether a run with this configuration has the stage.
     at_most : callable
-        The greatest number of work items with this configuration, while they are not known.
+        The greatest number of work items with this configuration, for plans made before they are known.
     here : bool
-        Done in the run's own process, because it is not worth a worker.
+        Whether it runs in the run's own process, because its work is too small for a worker.
     bundle : int
-        Most work items in one task: a task lasts a second or more, an artifact is as small as can be used again.
+        Most work items in a task. A task should last a second or more; an artifact should be small enough to be reused.
     tile : int
-        If not 0, a task is the work between so many inputs and so many others, each read and prepared once.
+        If not 0, a task is the work between this many inputs and as many others, each read and prepared once.
     sub_blocks : SubBlocks, optional
         Of a stage with scope "block".
     tables : tuple of TableColumns
-        What the tables show of its artifacts.
+        The columns that it adds to tables.
     """
 
     name: str
@@ -152,16 +153,16 @@ class Stage:
 
     @property
     def optional(self) -> bool:
-        """Whether there are runs without it."""
+        """Whether a configuration can leave it out."""
         return self.wanted is not _always
 
     @property
     def module(self) -> str:
-        """The module that defines it; the import closure of its ``run`` is the stage's code."""
+        """The module that defines it."""
         return f"pipeline.stages.{self.name}"
 
     def recipe(self, config: Config) -> Recipe:
-        """Read its parameters out of the configuration and take the digests of its code."""
+        """The stage's parameters from the configuration, and the digests of its code."""
         parameters = tuple(_read(config, name) for name in self.parameters)
         values = {name: canonical_value(value) for name, value in zip(self.parameters, parameters, strict=True)}
         return Recipe(self.name, parameters, values, code_digests(self.module), library_versions(self.module))
@@ -169,5 +170,5 @@ class Stage:
 
 def _read(config: Config, name: str) -> Any:
     value = attrgetter(name)(config)
-    # Which pairs are scored is no part of a score: only stages that name mode or k depend on them.
+    # Scores depend on the sigmas only; stages that depend on mode or k name these parameters.
     return value.sigmas if isinstance(value, QcrsConfig) else value

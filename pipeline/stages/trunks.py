@@ -96,6 +96,7 @@ STAGE = Stage(
                 ),
             ),
             _counts,
+            after="features",
         ),
         TableColumns(
             "trunks",

@@ -28,8 +28,7 @@ KINDS = {
 
 SCORE = "score in [0, 1]"
 
-NUMBER = (Column("shape", "int32", "shape, by whose number all tables join", "shape number"),)
-RANK = (Column("rank", "int32", "1 = the best", "rank"),)
+NUMBER = (Column("shape", "int32", "shape", "shape number"),)
 PAIR = (
     Column("i", "int32", "first shape (P)", "shape number"),
     Column("j", "int32", "second shape (Q)", "shape number"),
@@ -45,7 +44,7 @@ OWN_COLUMNS: dict[str, tuple[str, tuple[Column, ...]]] = {
     "shapes": (
         "The shapes of the run, in order of name.",
         (
-            *NUMBER,
+            Column("shape", "int32", "shape number, by which all tables join", "shape number"),
             Column("name", "string", "name of the shape, unique in the collection"),
             Column("class", "string", "class of the shape, empty = none"),
             Column("source", "string", "file, relative to the root of the collection, or definition of a sample"),
@@ -54,11 +53,16 @@ OWN_COLUMNS: dict[str, tuple[str, tuple[Column, ...]]] = {
     ),
     "selected": (
         "The pairs that went on to CRS and refined trunks, best QCRS first.",
-        (*RANK, *PAIR, *NAMES, Column("qcrs", "float64", "QCRS of the pair", SCORE)),
+        (
+            Column("rank", "int32", "1 = the best QCRS", "rank"),
+            *PAIR,
+            *NAMES,
+            Column("qcrs", "float64", "QCRS of the pair", SCORE),
+        ),
     ),
     "crs": ("", (Column("rank", "int32", "rank in `selected`", "rank"), *PAIR)),
     "transforms": (
-        "Constructed transforms: certified, then approximate, least deformed first; then rejected ones as selected.",
+        "Constructed transforms: certified, then approximate ones, least deformed first, then rejected ones as selected.",
         (
             Column("rank", "int32", "1 = certified, with the greatest IoU of the worse shape", "rank"),
             Column("selected", "int32", "rank in `selected`", "rank"),
@@ -104,10 +108,14 @@ def of_table(table: str) -> list[tuple[Stage, TableColumns]]:
 
 
 def _table(name: str) -> pa.Schema:
-    stages = of_table(name)
     meaning, own = OWN_COLUMNS.get(name, ("", () if name == "qcrs" else NUMBER))
-    meaning = next((added.meaning for _, added in stages if added.meaning), meaning)
-    return _schema(meaning, [*own, *(column for _, added in stages for column in added.columns)])
+    columns = list(own)
+    for _, added in of_table(name):
+        meaning = added.meaning or meaning
+        names = [column.name for column in columns]
+        end = names.index(added.after) + 1 if added.after else len(columns)
+        columns[end:end] = added.columns
+    return _schema(meaning, columns)
 
 
 def _schema(meaning: str, columns: Sequence[Column]) -> pa.Schema:

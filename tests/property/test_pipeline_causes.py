@@ -33,7 +33,7 @@ def causes(project: Project) -> dict[str, Counter[str]]:
     """Of every stage of which it is known what it has to do."""
     forecast = project.look()
     asked = Causes(project.store, forecast.pictures)
-    return {row.stage.name: asked.of(row.missing) for row in forecast.stages if row.items is not None}
+    return {row.stage.name: asked.count(row.missing) for row in forecast.stages if row.items is not None}
 
 
 @pytest.mark.parametrize("edit", EDITS, ids=lambda edit: edit.name)

@@ -57,11 +57,11 @@ def test_misses_are_counted_by_reason(tmp_path: Path) -> None:
     payload = store.folder("crs", damaged.key()) / PAYLOAD
     payload.write_bytes(payload.read_bytes()[:-1])
     items = [damaged, parts(inputs=("a", "c")), parts(inputs=("c", "b")), parts(versions={"numpy": "3"})]
-    causes = Causes(store).of([WorkItem(key_parts, (), (), None, ()) for key_parts in items])
+    causes = Causes(store).count([WorkItem(key_parts, (), (), None, ()) for key_parts in items])
     assert causes[NOT_DONE] == 2 and causes["versions.numpy '2.0' → '3'"] == 1
     assert sum(count for text, count in causes.items() if text.startswith("corrupt")) == 1
 
 
 def test_an_empty_store_explains_itself(tmp_path: Path) -> None:
-    (text,) = Causes(Store(tmp_path)).of([WorkItem(parts(), (), (), None, ())])
+    (text,) = Causes(Store(tmp_path)).count([WorkItem(parts(), (), (), None, ())])
     assert text.startswith("new")
