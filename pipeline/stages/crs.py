@@ -25,7 +25,8 @@ TERMS = ("score", "s_edge", "s_angle", "s_area", "area")
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, int]) -> Artifact:
     """Batches of P and Q, their full trunks → the best trunk pairs, best first (see `pack_scores`); CRS is the first's.
 
-    Parameters are those of CRS and the number of trunk pairs to keep. No trunks of one size: no trunk pair, and CRS 0.
+    ``parameters`` are those of CRS and the number of trunk pairs to keep. Without two trunks of the same
+    size there is no trunk pair, and CRS is 0.
     """
     batch_p, batch_q, full_p, full_q = inputs
     settings, count = parameters

@@ -1,4 +1,4 @@
-"""The puzzle of one transform: its files, and what the tables say of it (paper §4.4)."""
+"""The puzzle of a transform: its files, and its row in the table of fabrications (paper §4.4)."""
 
 from __future__ import annotations
 
@@ -32,11 +32,9 @@ if TYPE_CHECKING:
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures | None) -> Artifact:
     """A transform with its motion → the puzzle's files by name, (bytes,) uint8 each, and a document.
 
-    The document has the columns that ``STAGE`` adds to the table of fabrications.
-
-    ``spec``: the colour pictures of its shapes, for the texture sheets among the paperwork; one that cannot be a
-    texture is told in the warnings. A puzzle that cannot be made, or fails its certificate, has no files and a reason:
-    it is no error.
+    The document has the columns that ``STAGE`` adds to the table of fabrications. ``spec`` are the colour pictures of
+    the shapes, for the texture sheets among the paperwork; the warnings list those that cannot be textures. A puzzle
+    that cannot be made, or fails its certificate, is no error: it has no files, and a reason.
     """
     (planned,), (sizes, mend, paper) = inputs, parameters
     errors: list[ErrorRow] = []
@@ -60,7 +58,7 @@ def _made(source: Transform, sizes: FabricationParameters, mend: bool, paper: bo
         status = {"status": "failed", "reason": "uncertified", "message": "; ".join(puzzle.certificate.failures)}
         return Artifact({}, {**status, **_measured(puzzle)})
     textures, refused = read_textures(source, pictures) if paper else ({}, [])
-    files = _files(puzzle, paper, textures)  # may still find that a part is larger than the bed
+    files = _files(puzzle, paper, textures)  # raises if a part is larger than the bed
     measured = _measured(puzzle)
     sheets = fabricate.export.paperwork.SHEETS
     measured["warnings"] += [f"no {sheets[refusal.side]}: {refusal.message}" for refusal in refused]

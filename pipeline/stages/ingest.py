@@ -43,7 +43,7 @@ def _without_path(message: str, source: str) -> str:
 
 
 def check_unchanged(item: Item) -> None:
-    """Raise RuntimeError when a file is not what the plan was made of: its key would name something else."""
+    """Raise RuntimeError if a file changed since the run was planned: its key would name other bytes."""
     if item.source.startswith(SAMPLE_PREFIX):
         return
     if hashlib.sha256(Path(item.source).read_bytes()).hexdigest() != item.digest:
@@ -61,7 +61,7 @@ def items(progress: Progress) -> list[WorkItem]:
 
 
 def shape_key(progress: Progress, position: int) -> str:
-    """The content key of one shape, whatever batch it is in."""
+    """The content key of a single shape; it does not depend on the shape's batch."""
     return progress.recipes["ingest"].parts([progress.items[position].digest]).key()
 
 

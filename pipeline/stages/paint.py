@@ -1,4 +1,4 @@
-"""What the pieces of one transform look like whose inputs are colour pictures (theory §9)."""
+"""Images of the pieces of a transform whose inputs are colour pictures (theory §9)."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Pictures) -> Artifact:
     """A transform with its motion, and its pictures → `pack_images` of the sides that have colours, perhaps of none.
 
-    The document has these ``sides``, and ``refused`` a row for each picture that cannot be a texture: no error, its
-    side is plain.
+    The document has these ``sides``, and in ``refused`` a row for each picture that cannot be a texture: the pieces are
+    plain on its side, and this is no error.
     """
     (planned,) = inputs
     puzzle = transform.riot_file.from_json(planned.document["riot"])
@@ -52,7 +52,7 @@ def pack_images(images: PieceImages) -> dict[str, AnyArray]:
 
 
 def unpack_images(arrays: Mapping[str, AnyArray], pieces: int) -> PieceImages:
-    """What `pack_images` packed, of a transform of so many pieces."""
+    """Undo `pack_images`, for a transform of this number of pieces."""
     return {
         side: tuple(
             draw.piece_image.PieceImage(np.array(arrays[f"{side}-{i}"]), _box(arrays[f"{side}-{i}-box"].tolist()))
@@ -69,7 +69,7 @@ def _box(values: Sequence[float]) -> tuple[float, float, float, float]:
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for each transform with a motion of whose inputs one may have colours, in order."""
+    """A work item for each transform that has a motion and an input that may have colours, in order."""
     work = [after_motion(progress, "paint", motion) for motion in progress.work["motion"]]
     return [item for item in work if item.spec is not None]
 

@@ -1,4 +1,4 @@
-"""The pairs to keep: those that are among the best partners of either shape, each once (ours)."""
+"""The pairs to keep: each pair of which one shape is among the best partners of the other, once (ours)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pipeline.store.keys import digest_text
 
 @dataclass(frozen=True)
 class Starts:
-    """Of every input the positions in the collection of its batch's first shape, and of its shard's."""
+    """For every input, the positions in the collection of the first shape of its batch and of its shard."""
 
     starts: tuple[tuple[int, int], ...]
 
@@ -28,7 +28,8 @@ class Starts:
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> Artifact:
     """Partners of batches within shards → the pairs, ordered by (i, j), positions in the collection with i < j.
 
-    Of every shape the ``k`` best over all shards are kept; among equals the earlier partner. ``compared`` is the sum.
+    Keeps the ``k`` best partners of every shape over all shards; among equals the earlier one. ``compared`` is the sum
+    of the inputs'.
     """
     (count,) = parameters
     chunks: dict[str, list[AnyArray]] = {name: [np.empty(0, np.int64)] for name in COLUMNS}
@@ -44,7 +45,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
     shape = rows["i"][order]
     order = order[np.arange(len(order)) - np.searchsorted(shape, shape) < count]
     low, high = np.minimum(rows["i"], rows["j"])[order], np.maximum(rows["i"], rows["j"])[order]
-    # A pair found from both sides has the same row twice: both were scored from the earlier shape's side.
+    # A pair that both searches return has two equal rows: both are scored from the earlier shape's side.
     pairs, first = np.unique(np.column_stack([low, high]), axis=0, return_index=True)
     kept = {name: rows[name][order][first].astype(TYPES.get(name, np.int32)) for name in COLUMNS}
     kept |= {"i": pairs[:, 0].astype(np.int32), "j": pairs[:, 1].astype(np.int32)}
@@ -52,7 +53,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """One work item, which collects what the searches found that are done."""
+    """One work item, which collects the results of all finished searches."""
     recipe, searches_done = progress.recipes["pairs"], progress.finished("partners")
     shards = progress.work["shards"]
     blocks = [item.block for item in searches_done if item.block is not None]

@@ -1,4 +1,4 @@
-"""The paper's method beside a certified construction, on the same trunks: what it leaves over, and how close it is."""
+"""The paper's method on the trunks of a certified construction, for comparison: its residuals and its deformation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ COLUMNS = ("paper_iou", "paper_gaps", "paper_overlaps", "paper_outside", "paper_
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
-    """A certified construction → a document: the numbers `COLUMNS`, of the worse shape or trunk each."""
+    """A certified construction → a document with the numbers `COLUMNS`, each of the worse shape or trunk."""
     (constructed,), (settings, reach) = inputs, parameters
     exact = transform.riot_file.from_json(constructed.document["riot"])
     errors: list[ErrorRow] = []
@@ -36,9 +36,9 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Ar
 
 
 def same_trunks(exact: Transform, snap: float, reach: float) -> ConstructionPlan:
-    """The plan of a transform's own conjugate trunks; its arcs part where the transform's do.
+    """The plan of a transform's own conjugate trunks, whose arcs begin and end where the transform's do.
 
-    Not made conjugate once more from these points: the paper's method would get other trunks, most of them worse.
+    The trunks are not made conjugate again: the paper's method would get other trunks, most of them worse.
     Raises `riot.errors.TrunkError` if the points do not correspond; ``snap`` and ``reach`` as in `given_pair`.
     """
     pair = construction.given_trunks.given_pair(exact.p, exact.q, exact.trunk_p, exact.trunk_q, snap, reach)

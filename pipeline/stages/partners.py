@@ -1,4 +1,4 @@
-"""The best partners of every shape of a batch within one shard, each scored as its pair is scored anywhere (ours)."""
+"""The best partners of every shape of a batch within a shard, scored as in a run over all pairs (ours)."""
 
 from __future__ import annotations
 
@@ -25,36 +25,35 @@ if TYPE_CHECKING:
     from riot.scores.qcrs import BlockScores, TrunkStack
 
 ROUNDING = 1e-9
-"""By less than this share of it a score differs between the two directions of its pair, whose sums run differently."""
+"""Greatest relative difference of a pair's scores in its two directions, which sum in different orders (ours)."""
 
 FAIR = 0.25
-"""Partners below this score are looked for pair by pair: the index knows no shape's own nearest, and hardly prunes."""
+"""Score below which all pairs are scored instead: for distant partners the index prunes too little (ours)."""
 
 TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
-"""Of columns; the others are int32."""
+"""Types of columns; the others are int32."""
 
 
 @dataclass(frozen=True)
 class ShardPosition:
-    """Where a batch stands to a shard: ``first`` (−1: not in it) numbers its first shape in it; ``after`` the shard."""
+    """How a batch lies to a shard: ``first`` is the number of its first shape in the shard, −1 if it is not in it;
+    ``after`` says whether it comes after the shard in the collection."""
 
     first: int
     after: bool
 
 
 def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex:
-    """Trunks of a batch as the scores read them, or a shard's index: made once for many work items."""
+    """The stack of a batch's trunks, or the index of a shard."""
     return unpack(artifact) if is_shard(artifact) else stack_of_batch(artifact)
 
 
 def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: ShardPosition | SubBlock) -> Artifact:
     """Stack of a batch and index of a shard → rows (i in the batch, j in the shard), each i's best first.
 
-    A `SubBlock` of the work is that of some rows i.
-
-    Only scores above 0 count; among equals the earlier j comes first. ``trunk_i``, ``trunk_j`` and ``shift`` are of the
-    pair with its earlier shape first, whichever of the two was looked up. ``compared`` of the document counts the pairs
-    of which two trunks were compared corner by corner.
+    A `SubBlock` restricts the rows i. Only scores above 0 count; among equals the earlier j comes first. ``trunk_i``,
+    ``trunk_j`` and ``shift`` belong to the pair with its earlier shape first, in whichever direction it was searched.
+    ``compared`` in the document counts the pairs of which two trunks were compared corner by corner.
     """
     settings, count = parameters
     query, index = inputs
@@ -64,11 +63,11 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: ShardPosition | 
 
 
 def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
-    """What `run` makes of a batch, from all its parts, in any order; those that were ``lost`` have no rows."""
+    """The artifact of a batch from those of its sub-blocks, in any order; ``lost`` sub-blocks have no rows."""
     empty = {name: np.empty(0, TYPES.get(name, np.int32)) for name in COLUMNS}
     pieces = [empty, *(artifact.arrays for artifact in artifacts)]
     rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in COLUMNS}
-    order = np.argsort(rows["i"], kind="stable")  # all of one i are in one part, the best first
+    order = np.argsort(rows["i"], kind="stable")  # all rows of an i are in one sub-block, the best first
     compared = sum(int(artifact.document["compared"]) for artifact in artifacts)
     return Artifact({name: column[order] for name, column in rows.items()}, {"compared": compared})
 
@@ -76,9 +75,9 @@ def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
 def find(
     query: TrunkStack, index: TrunkIndex, count: int, settings: QcrsParameters, position: ShardPosition, rows: range
 ) -> tuple[BlockScores, int]:
-    """Rows of shapes of the query as `run` says, and the number of pairs compared."""
+    """The rows that `run` returns, for the shapes ``rows`` of the query, and the number of pairs compared."""
     own_indices = [position.first + i if position.first >= 0 else -1 for i in range(len(query))]
-    # A copy, whose forest goes with it: as long as the index is kept there is no room for both.
+    # The copy builds a search forest that is freed with it: the index is kept, and memory has no room for both.
     whole = replace(index.trunks)
     partners = [_nearest(query.shape(i), index, whole, count, settings, own_indices[i]) for i in rows]
     i = np.repeat(rows, [len(nearest.scores.j) for nearest in partners]).astype(np.int32)
@@ -100,7 +99,7 @@ def find(
 def _nearest(
     shape: TrunkStack, index: TrunkIndex, whole: TrunkStack, count: int, settings: QcrsParameters, own_index: int
 ) -> Partners:
-    """The best partners of one shape and as many more as it takes to be sure of them in either direction."""
+    """The best partners of a shape, and as many more as are needed to have the best ones in either direction."""
     asked = count + 1
     while asked < len(index) and len(shape.areas):
         nearest = scores.index.best_partners(index, shape, asked, settings, FAIR, [own_index])
@@ -114,7 +113,7 @@ def _nearest(
 
 
 def _all(shape: TrunkStack, whole: TrunkStack, settings: QcrsParameters, own_index: int) -> Partners:
-    """All partners of one shape, pair by pair: what is sooner when there is no near one to tell the far ones by."""
+    """All partners of a shape, pair by pair; this is faster than the index if no partner is near."""
     others = np.flatnonzero((np.arange(len(whole)) != own_index) & (len(shape.areas) > 0))
     pairs = np.column_stack([np.zeros_like(others), others])
     block = scores.qcrs.score_pairs(shape, whole, pairs, settings)
@@ -124,7 +123,7 @@ def _all(shape: TrunkStack, whole: TrunkStack, settings: QcrsParameters, own_ind
 def _turn(
     query: TrunkStack, index: TrunkIndex, columns: dict[str, Any], rows: IntArray, settings: QcrsParameters
 ) -> None:
-    """Score pairs whose shape of the shard is the earlier one anew, from its side."""
+    """Score again, from the side of the shard's shape, the pairs of which it is the earlier shape."""
     if len(rows) == 0:
         return
     numbers, number = np.unique(columns["j"][rows], return_inverse=True)
@@ -136,7 +135,7 @@ def _turn(
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for each batch in each shard, by shard, so that a worker's tasks follow one another on the same."""
+    """A work item for each batch in each shard, by shard, so that a worker searches the same shard several times."""
     recipe, trunks = progress.recipes["partners"], progress.work["trunks"]
     shards = progress.work["shards"]
     searched = [number for span in spans(progress) for number in span]

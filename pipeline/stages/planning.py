@@ -1,4 +1,4 @@
-"""How stages plan that read the artifacts of one other stage: a work item after each of its."""
+"""Plan stages that have a work item for each work item of another stage."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pipeline.plan.work_item import WorkItem
 
 
 def after_each(progress: Progress, stage: str, earlier: str) -> list[WorkItem]:
-    """For each work item of the stage ``earlier``, whether it is done or not, one that reads its artifact alone."""
+    """A work item for each one of the stage ``earlier``, done or not, that reads the artifact of that one alone."""
     recipe = progress.recipes[stage]
     return [recipe.after(item) for item in progress.work[earlier]]
 

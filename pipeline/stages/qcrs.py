@@ -24,7 +24,7 @@ COLUMNS = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
 
 
 def prepare(batch: Artifact) -> TrunkStack:
-    """Trunks of a batch as the scores read them, made once for all its blocks of a task."""
+    """The stack of a batch's trunks, which the scores read."""
     starts, leaves = batch.arrays["leaf_offsets"].tolist(), np.array(batch.arrays["leaves"])
     return scores.qcrs.stack(unpack_batch_trunks(batch), [leaves[a:b] for a, b in pairwise(starts)])
 
@@ -40,7 +40,7 @@ def run(inputs: Sequence[TrunkStack], parameters: Sequence[Any], spec: bool | Su
 
 
 def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
-    """What `run` makes of a block, from all its parts but those that were ``lost``: for their pairs see `unknown`."""
+    """The artifact of a block from those of its sub-blocks; pairs of ``lost`` sub-blocks have the rows of `unknown`."""
     pieces = [*(artifact.arrays for artifact in artifacts), *(unknown(list(block.pairs())).arrays for block in lost)]
     rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in COLUMNS}
     order = np.lexsort((rows["j"], rows["i"]))
@@ -59,7 +59,7 @@ def _rows(block: BlockScores) -> Artifact:
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for each two batches, and for each batch with itself."""
+    """A work item for every two batches, and for each batch with itself."""
     recipe, trunks = progress.recipes["qcrs"], progress.work["trunks"]
     blocks = []
     for a, first in enumerate(trunks):

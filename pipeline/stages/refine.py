@@ -1,4 +1,4 @@
-"""Trunks of one pair made conjugate and refined: what construction may build on, most promising first (theory §7)."""
+"""Conjugate, refined trunks of a pair, from which construction may start, most promising first (theory §7)."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     """Batches of P and Q and the pair's CRS → refined plans, highest bound first (see `unpack_plans`).
 
     ``bounds`` (k, 2) of P and of Q; ``which`` (k,) numbers the trunk pair among the scores; ``trunks`` (s, 4) corners
-    of T and T̄, those of plan i from ``offsets[i]`` on. Plans that lose contact and come before any that does not are
-    left out, so that the first bound can be had. The document says why others gave no plan.
+    of T and T̄, those of plan i from ``offsets[i]`` on. Leading plans that lose contact are left out, so that the first
+    bound can be reached. The document lists the reasons why other trunk pairs have no plan.
     """
     batch_p, batch_q, cross = inputs
     settings, spacing, allowed = parameters
@@ -56,14 +56,14 @@ def _number(pair: TrunkPair, pairs: Sequence[TrunkPair]) -> int:
 
 
 def bound(artifact: Artifact) -> float:
-    """The highest IoU of the worse shape that the best plan allows; 0 without a plan."""
+    """The greatest IoU of the worse shape that any plan allows; 0 without a plan."""
     return float(artifact.arrays["bounds"].min(axis=1).max(initial=0.0))
 
 
 def unpack_plans(
     artifact: Artifact, cross: Artifact, p: Shape, q: Shape, reach: float
 ) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
-    """The plans that `run` made, and why there are no others."""
+    """The plans that `run` packed, and the errors of the trunk pairs without a plan."""
     pairs, arrays = construction.trunk_choice.trunk_pairs(p, q, unpack_scores(cross), reach), artifact.arrays
     plans = [
         construction.plan.ConstructionPlan(

@@ -28,15 +28,19 @@ class Chosen(NamedTuple):
 
 
 FIRST_POOL = 50_000
-"""So many of the best pairs are held at first (a pair takes 24 bytes): seldom do the limits use up more."""
+"""Best pairs in the first pool, of 24 bytes each; the limits seldom need more (measured on MPEG-7)."""
 
 GROWTH = 8
-"""By this factor the pool grows when they do: few readings, and never much more than is needed."""
+"""Factor by which the pool grows if they do: a few readings, and a pool not much larger than needed (ours)."""
 
 
 @dataclass(frozen=True)
 class Selecting:
-    """What selection knows of the collection: classes by position; where each batch starts; the inputs' batches."""
+    """What selection reads of the collection.
+
+    ``classes`` are by position, ``starts`` the positions of the batches' first shapes, ``blocks`` and ``rated`` the
+    numbers of the batches of each input.
+    """
 
     classes: tuple[str, ...]
     starts: tuple[int, ...]
@@ -46,7 +50,7 @@ class Selecting:
 
 @dataclass(frozen=True)
 class SelectionLimits:
-    """How many pairs: in all, of the same two classes, with the same shape."""
+    """The greatest numbers of pairs: in all, of the same two classes, and with the same shape."""
 
     top: int
     per_class_pair: int
@@ -121,12 +125,12 @@ def greedy(i: IntArray, j: IntArray, label: IntArray, limits: SelectionLimits) -
 
 
 def _pool(blocks: Iterator[Block], keep: Callable[[IntArray, IntArray], Any], limit: int) -> tuple[Block, bool]:
-    """The best ``limit`` pairs with a score above 0 that ``keep`` admits, best first; and whether any was cut off."""
+    """The ``limit`` best pairs with a score above 0 that ``keep`` admits, best first; and whether there are more."""
     none = np.empty(0, np.int64)
     held: list[Block] = [(none, none, np.empty(0))]
     count, least, cut = 0, 0.0, False
     for i, j, score in blocks:
-        # Below the last of a full pool nothing can be taken; equal to it the order of pairs decides.
+        # A pair below the last of a full pool cannot enter it; at an equal score the order of pairs decides.
         mask = (score > 0) & (score >= least)
         mask[mask] = keep(i[mask], j[mask])
         held.append((i[mask], j[mask], score[mask]))
@@ -148,7 +152,7 @@ def _best(held: Sequence[Block], limit: int) -> Block:
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) -> Artifact:
     """Blocks of scores, then the batches' reversibility → ``pairs`` (p, 2) int64, best first, ``score`` (p,).
 
-    Of the inputs one at a time is held: there are as many as blocks.
+    Only one input is in memory at a time: there are as many as blocks.
     """
     (settings,) = parameters
     breadth = settings.breadth
@@ -178,8 +182,8 @@ def items(progress: Progress) -> list[WorkItem]:
     """One work item over the blocks that are done; unlike the other keys, its key holds the classes in order.
 
     With ``qcrs.mode=topk`` it is over the collected pairs, done or not, which number shapes by position, as the first
-    batch does. A pair that is among the k best of all is among the k best of both its shapes: what is selected is what
-    would be of all pairs as long as neither the limits nor the classes reach below any shape's k best.
+    batch does. The selection equals that from all pairs unless the limits and classes need a pair that is beyond
+    the k best of both of its shapes.
     """
     if "pairs" in progress.work:
         blocks = dict.fromkeys([(0, 0)], progress.work["pairs"][0]) if progress.batches else {}
@@ -191,7 +195,7 @@ def items(progress: Progress) -> list[WorkItem]:
     starts = tuple(batch.start for batch in progress.batches)
     spec = Selecting(progress.classes, starts, tuple(blocks), tuple(rated))
     recipe = progress.recipes["select"]
-    # A digest instead of the spec itself: the manifest need not repeat every class.
+    # A digest instead of the spec keeps the classes out of the manifest.
     parts = recipe.parts([item.key for item in sources], digest_text(repr(spec)))
     return [recipe.item(parts, [item.reference for item in sources], spec=spec)]
 

@@ -1,4 +1,4 @@
-"""What the stages of shapes share: shapes as ragged arrays, and failures as rows."""
+"""Shapes as ragged arrays, and failures as rows: the form of the artifacts of stages of shapes."""
 
 from __future__ import annotations
 
@@ -16,14 +16,18 @@ ErrorRow = dict[str, Any]
 
 
 def attempt(index: int, function: Callable[[], T], errors: list[ErrorRow]) -> T | None:
-    """Call ``function`` for the item ``index`` of a batch; a failure becomes a row in ``errors``, and None.
+    """Call ``function`` for the item ``index`` of a batch; on a failure append a row to ``errors`` and return None.
 
-    Errors of the machine (memory, files) are raised: they say nothing about the item and must not be kept.
+    Errors of the machine (memory, files) are raised: they do not depend on the item and must not be stored.
+
+    >>> errors = []
+    >>> attempt(3, lambda: 1 / 0, errors), errors[0]["type"]
+    (None, 'ZeroDivisionError')
     """
     try:
         return function()
     except (RiotError, ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
-        # Beside our own errors, the builtin ones that a deterministic function can end in: the same next time.
+        # Our own errors, and the builtin ones that a deterministic function would raise again.
         errors.append(error_row(index, error))
         return None
 
@@ -37,7 +41,7 @@ def error_row(index: int, error: BaseException) -> ErrorRow:
 def pack_shapes(shapes: Sequence[Shape | None]) -> dict[str, AnyArray]:
     """Shapes as arrays: ``offsets`` (k+1,) int64 into ``points`` (M, 2) and ``feature`` (M,), ``to_source`` (k, 2, 3).
 
-    A missing shape has no points. Names are left out: they are no part of the geometry.
+    A missing shape has no points. Names are left out, since the geometry does not depend on them.
     """
     lengths = np.array([0 if shape is None else len(shape.points) for shape in shapes], dtype=np.int64)
     present = [shape for shape in shapes if shape is not None]
@@ -71,17 +75,17 @@ def count_shapes(artifact: Artifact) -> int:
 
 
 def expect_shape(artifact: Artifact, index: int, name: str = "") -> Shape:
-    """The shape at ``index``, known to exist; LookupError if the plan was wrong."""
+    """The shape at ``index``, which exists according to the plan; raises LookupError if it does not."""
     shape = unpack_shape(artifact, index, name)
     if shape is None:
-        raise LookupError(f"the batch holds no shape at {index}")
+        raise LookupError(f"the batch has no shape at {index}")
     return shape
 
 
 def join_single(artifacts: Sequence[Artifact]) -> Artifact:
-    """Artifacts of a stage of shapes, each of one shape alone → what the stage makes of all of them as one batch.
+    """The artifact of a batch from the artifacts of its single shapes.
 
-    Arrays whose names end in ``offsets`` are running sums from 0, here as in every stage of shapes; others are
+    Arrays whose names end in ``offsets`` are running sums from 0, as in every stage of shapes; all others are
     concatenated.
     """
     arrays: dict[str, AnyArray] = {}

@@ -1,4 +1,4 @@
-"""Shards: the trunks of some batches, indexed for the search of partners, a bounded part of a collection (ours)."""
+"""Shards: an index over the trunks of neighbouring batches, of bounded size, for the search of partners (ours)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ is read. Fewer take longer to search; more would grow with the collection (measu
 
 
 def run(inputs: Sequence[TrunkStack], parameters: Sequence[Any], spec: None) -> Artifact:
-    """Stacks of batches → their index; its shapes are numbered in the batches' order."""
+    """Stacks of batches → their index, which numbers the shapes in the order of the batches."""
     return Artifact(scores.index.TrunkIndex.build(list(inputs)).to_arrays())
 
 

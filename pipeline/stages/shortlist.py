@@ -22,7 +22,7 @@ from pipeline.store.keys import digest_text
 
 @dataclass(frozen=True)
 class Refined:
-    """What the shortlist knows: classes by position, and the pairs (positions), of each of the inputs one."""
+    """What the shortlist reads: classes by position, and the pair of positions of each input."""
 
     classes: tuple[str, ...]
     pairs: tuple[tuple[int, int], ...]

@@ -21,12 +21,13 @@ Pictures = tuple[Item | None, Item | None]
 """The pictures of P and of Q; None for one without colours."""
 
 LEAST_CONTRAST = 8.0
-"""A picture whose colours differ less from their mean (root mean square, of 255) is a silhouette in one colour."""
+"""Root mean square distance of a picture's colours from their mean, of 255, below which it counts as a silhouette in
+one colour (ours: compression noise is less)."""
 
 
 @dataclass(frozen=True)
 class Refusal:
-    """A picture that may have colours and cannot be a texture: of which side, and why, as the error has it."""
+    """A colour picture that cannot be a texture: its side, and the reason and message of the error."""
 
     side: Side
     reason: str
@@ -34,7 +35,7 @@ class Refusal:
 
 
 def read_textures(transform: Transform, pictures: Pictures) -> tuple[Mapping[Side, PictureTexture], list[Refusal]]:
-    """The textures of the sides that have colours, and what was refused; a silhouette in one colour is neither.
+    """The textures of the sides that have colours, and the refused pictures; a silhouette in one colour is neither.
 
     Raises RuntimeError for a file that changed since the run was planned.
     """
@@ -47,7 +48,7 @@ def read_textures(transform: Transform, pictures: Pictures) -> tuple[Mapping[Sid
         try:
             texture = draw.texture.paint.picture_texture(item.source, transform, side)
         except (draw.texture.source.TextureError, SilhouetteError) as error:
-            # Where the collection lies is no part of what is kept.
+            # The stored message must not depend on the collection's folder.
             refused.append(Refusal(side, error.reason, str(error).replace(str(Path(item.source)), item.name)))
             continue
         if float(texture.pixels.reshape(-1, 3).std(axis=0).max()) >= LEAST_CONTRAST:

@@ -31,7 +31,7 @@ def items(progress: Progress) -> list[WorkItem]:
     work = []
     for position in sorted({int(position) for position in selected(progress).pairs.ravel()}):
         batch, index = progress.locate(position)
-        # Named after the shape and not after its batch, so that it stays when the batch changes.
+        # The key depends on the shape and not on its batch, so that it stays if the batch changes.
         parts = recipe.parts([shape_key(progress, position)])
         work.append(recipe.item(parts, [ingest[batch].reference], spec=index, members=[position]))
     return work

@@ -168,7 +168,7 @@ def failed_test(hidden: Hidden, trunks: Trunks, quick: bool, parameters: TrunkPa
     combinations = np.array(list(itertools.product(*[np.flatnonzero(kept & (gap[:, j] <= NEAR)) for j in range(n)])))
     edge_tests = _edge_tests(shape, points, convex, parameters)
     if not quick:
-        edge_tests.append(("overlap of congruent stretches", lambda: _stretches_part(shape, points, parameters)))
+        edge_tests.append(("overlap of congruent stretches", lambda: _small_overlaps(shape, points, parameters)))
     for name, test in edge_tests:
         combinations = combinations[test()[combinations, np.roll(combinations, -1, axis=1)].all(axis=1)]
         if len(combinations) == 0:
@@ -196,8 +196,8 @@ def _edge_tests(
     ]
 
 
-def _stretches_part(shape: Shape, points: IntArray, parameters: TrunkParameters) -> BoolArray:
-    """(c, c) whether the congruent stretches of two points overlap by little enough on the boundary between them."""
+def _small_overlaps(shape: Shape, points: IntArray, parameters: TrunkParameters) -> BoolArray:
+    """(c, c) whether the congruent stretches of two points overlap by less than ``max_overlap`` between the points."""
     stretches, arcs = congruency(shape, points, parameters).length, _arcs(shape, points)
     overlap = np.minimum(stretches[:, None], arcs) + np.minimum(stretches[None, :], arcs) - arcs
     return np.asarray(overlap < parameters.max_overlap * L_C)

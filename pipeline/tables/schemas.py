@@ -62,7 +62,8 @@ OWN_COLUMNS: dict[str, tuple[str, tuple[Column, ...]]] = {
     ),
     "crs": ("", (Column("rank", "int32", "rank in `selected`", "rank"), *PAIR)),
     "transforms": (
-        "Constructed transforms: certified, then approximate ones, least deformed first, then rejected ones as selected.",
+        "Constructed transforms: certified, then approximate ones, least deformed first, then rejected ones as "
+        "selected.",
         (
             Column("rank", "int32", "1 = certified, with the greatest IoU of the worse shape", "rank"),
             Column("selected", "int32", "rank in `selected`", "rank"),

@@ -214,7 +214,7 @@ def test_a_collection_without_shapes_has_no_partners(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("qcrs", "words"),
     [({"mode": "some"}, "qcrs.mode: 'some' is not allowed; choose one of all, topk"),
-     ({"k": 0}, "qcrs.k: must be greater than 0, got 0"), ({"k": 2.5}, "qcrs.k: expected a whole number, got 2.5")],
+     ({"k": 0}, "qcrs.k: must be 1 or more, got 0"), ({"k": 2.5}, "qcrs.k: expected a whole number, got 2.5")],
 )  # fmt: skip
 def test_wrong_values_are_named(qcrs: dict[str, object], words: str) -> None:
     with pytest.raises(ConfigError, match="qcrs") as caught:
