@@ -5,9 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass
-from unittest import mock
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -16,7 +14,7 @@ from pipeline.study.waves import deformed
 from riot.geometry.polyline import TIE, TOUCH, arc_length, edge_lengths
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import mask_shape
-from riot.groundtruth import pairs as groundtruth
+from riot.groundtruth.limits import PairLimits
 from riot.groundtruth.pairs import ExactPair, Topology, exact_pair
 from riot.kernels.segments import inside_shares
 from riot.parameters import TrunkParameters
@@ -33,16 +31,18 @@ LEAST_PIECE, LEAST_EDGE = 0.01, L_C / TrunkParameters().spacing
 NEAR = L_C / 25
 """A trunk whose every corner is so near to the true one counts as the true trunk: a little over half the spacing of
 the sparse points."""
-NARROW: dict[str, object] = {
-    "CORNER_TOLERANCE": 0.0,
-    "CORNER_DISTANCE": math.inf,
-    "TRUNK_ANGLES": (math.radians(25), math.radians(172)),
-    "HINGE_ANGLES": (math.radians(40), math.radians(340)),
-    "LEAST_AREA": LEAST_PIECE,
-    "LEAST_DEPTH": 0.05,
-    "GREATEST_ARC": 0.5,
-}
-"""Limits of `riot.groundtruth.pairs` for pairs made with no regard to the search: hinges anywhere, shallow pieces."""
+NARROW = PairLimits(
+    corner_tolerance=0.0,
+    corner_distance=100.0,
+    least_trunk_angle=math.radians(25),
+    greatest_trunk_angle=math.radians(172),
+    least_hinge_angle=math.radians(40),
+    greatest_hinge_angle=math.radians(340),
+    least_area=LEAST_PIECE,
+    least_depth=0.05,
+    greatest_arc=0.5,
+)
+"""Limits of pairs made without regard to the search: hinges anywhere, shallow pieces."""
 PIXELS, FINER, MARGIN = 256, 4, 8
 """Side of a picture; its pixels are means of so many squared; free pixels at the border."""
 
@@ -84,9 +84,7 @@ def hide(count: int, pieces: Sequence[int], deform: float = 0.0, narrow: bool = 
         k = len(hidden_pairs)
         n, (topology, curved) = pieces[k % len(pieces)], KINDS[k // len(pieces) % len(KINDS)]
         seed += 1
-        # The library's generator has no such parameters: elsewhere its pairs are meant to be found.
-        with mock.patch.dict(vars(groundtruth), NARROW) if narrow else nullcontext():
-            exact = exact_pair(n, seed, curved=curved, topology=topology)
+        exact = exact_pair(n, seed, curved=curved, topology=topology, limits=NARROW if narrow else None)
         if degenerate(exact):
             left_out += 1
             continue

@@ -22,7 +22,7 @@ from pipeline.study.varied import TrunkOutcome, vary
 from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT
 from riot.draw.palette import PIECES as COLOURS
-from riot.groundtruth.pairs import CORNER_TOLERANCE, LEAST_DEPTH
+from riot.groundtruth.limits import PairLimits
 from riot.parameters.field import ParameterGroup, parameter
 
 TRUNKS, SIGMAS = ("spacing", "tau_s", "tau_c"), ("sigma_pa", "sigma_w")
@@ -41,7 +41,8 @@ PAPER = {
 
 
 MARGINS = {
-    False: f"with hinges within {CORNER_TOLERANCE:g} of corners and pieces deeper than {LEAST_DEPTH:g}, "
+    False: f"with hinges within {PairLimits().corner_tolerance:g} of corners and pieces deeper than "
+    f"{PairLimits().least_depth:g}, "
     "which a greater τ_s must lose",
     True: "with hinges anywhere and shallow pieces among them",
 }

@@ -1,4 +1,4 @@
-"""Exact reversible pairs without end, from conjugate polygons and planar trees (theory §1.2, §11). Ours.
+"""Any number of exact reversible pairs, from conjugate polygons and planar trees (theory §1.2, §11). Ours.
 
 Any planar tree inside T̄ and any planar tree inside T, if both unfold without overlap, is an exact RIOT: P is T with
 T̄'s regions hinged outside, Q is T̄ with T's regions hinged outside.
@@ -14,47 +14,39 @@ import numpy as np
 import shapely
 
 from riot.errors import ConstructionError
-from riot.geometry.polyline import centroid, edge_lengths, signed_area, simplify, trunk_angles
+from riot.geometry.polyline import centroid, trunk_angles
 from riot.geometry.shape import Shape
-from riot.groundtruth.tree import PlanarTree, embed, random_tree, star, walk
+from riot.groundtruth.conjugate_polygons import conjugate_polygons
+from riot.groundtruth.limits import PairLimits
+from riot.groundtruth.tree import PlanarTree, curve, embed, random_tree, star, walk
 from riot.transform.pose import Placement
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray
-from riot.units import L_C
 
 Topology = Literal["star", "binary", "random"]
 TOPOLOGIES: tuple[Topology, ...] = ("star", "binary", "random")
 
-# What a pair must keep to look like two silhouettes and to survive the miner's own filters with a margin.
-# Lengths and areas are in the unit-area frame, angles in radians.
-TRUNK_ANGLES = (math.radians(40), math.radians(158))
-"""Least and greatest angle of both trunks."""
-HINGE_ANGLES = (math.radians(60), math.radians(325))
-"""Least and greatest angle of the assembled shape at a hinge."""
-CORNER_TOLERANCE, CORNER_DISTANCE = 0.11, 0.03
-"""Every hinge is within this distance of a vertex of the outline simplified by Douglas–Peucker with this tolerance, so
-that a search which starts from feature points can meet it. The tolerance shrinks where such pairs are rare."""
-LEAST_AREA = 0.02
-"""Of an exterior piece."""
-LEAST_DEPTH = 0.13
-"""Of an exterior piece over its trunk edge: more than the paper's τ_s, so that it keeps a convex point."""
-CLEARANCE = 0.02
-"""Half the width of the narrowest limb or piece, and of the narrowest mouth of a bay."""
-GREATEST_TIP = 4.0
-"""How far a limb may reach beyond where it is narrower than twice the clearance, in clearances: no whiskers, and no
-tip sharper than 29°."""
-GREATEST_ARC = 0.45
-"""Boundary length of an exterior piece, in units of the perimeter."""
-GREATEST_PERIMETER = 2.0 * L_C
-CURVE_STEP = L_C / 120
-"""Spacing of the points on curved arcs."""
-TRUNK_TRIES, TREE_TRIES, RELAX_AFTER = 20_000, 20, 30
-"""Conjugate polygons drawn, trees drawn in each, and dissected pairs of polygons before the tolerance shrinks."""
+# All constants below are ours: they decide which pairs are drawn, and how long it takes to find one.
+
+_CURVE_HEIGHT = 0.3
+"""Height of the waves of a curved arc, in lengths of the arc, at the first try; the waves flatten as tries fail."""
+
+_LEAF_WEIGHT = 0.5
+"""Stiffness of the arcs to the leaves: less than 1, so that these arcs are long and the hinges distinct."""
+
+_TRUNK_TRIES, _TREE_TRIES, _RELAX_AFTER = 20_000, 20, 30
+"""Conjugate polygons drawn, trees drawn in each, and dissected polygons before the corner tolerance shrinks."""
+
+_RELAX = 0.7
+"""Factor by which it shrinks."""
+
+_CORNER_HEIGHT = 0.25
+"""Height of a hinge's corner per sine of its angle: its two legs are about 0.5 long, rarely longer."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExactPair:
-    """Two shapes which are reversible exactly, with the way they are.
+    """Two shapes that are exactly reversible, with their trunks and pieces.
 
     Parameters
     ----------
@@ -74,37 +66,43 @@ class ExactPair:
     pieces: tuple[Piece, ...]
 
 
-def exact_pair(n: int, seed: int, *, curved: bool = True, topology: Topology = "random") -> ExactPair:
+def exact_pair(
+    n: int, seed: int, *, curved: bool = True, topology: Topology = "random", limits: PairLimits | None = None
+) -> ExactPair:
     """An exact reversible pair with n pieces; the same arguments give the same pair.
 
     ``curved`` bends the arcs of both dissections, otherwise all pieces are convex polygons; ``topology`` is that of
-    both trees. Drawn and redrawn until both shapes are simple and look like silhouettes (the limits of this module).
+    both trees. Pairs are drawn until both shapes are simple and keep the ``limits`` (`PairLimits` by default).
 
-    Raises ValueError for n < 3, a negative seed or an unknown topology, ConstructionError if nothing was found.
+    Raises ValueError for n < 3, a negative seed or an unknown topology, ConstructionError ``none-found``.
+
+    >>> pair = exact_pair(4, seed=1)
+    >>> len(pair.pieces), pair.trunk_p.shape
+    (4, (4, 2))
     """
+    limits = limits or PairLimits()
     if n < 3 or seed < 0 or topology not in TOPOLOGIES:
         allowed = f"n ≥ 3, seed ≥ 0, topology one of {', '.join(TOPOLOGIES)}"
         raise ValueError(f"exact_pair({n=}, {seed=}, {topology=}): choose {allowed}")
     rng = np.random.default_rng([n, seed, int(curved), TOPOLOGIES.index(topology)])
-    tolerance, tries = CORNER_TOLERANCE, 0
-    for _ in range(TRUNK_TRIES):
-        trunks = _conjugate_polygons(rng, n)
+    tolerance, tries = limits.corner_tolerance, 0
+    for _ in range(_TRUNK_TRIES):
+        trunks = conjugate_polygons(rng, n, limits)
         if trunks is None:
             continue
         v, w = trunks
         hinges = trunk_angles(v) + trunk_angles(w)
-        if hinges.min() < HINGE_ANGLES[0] or hinges.max() > HINGE_ANGLES[1]:
+        if hinges.min() < limits.least_hinge_angle or hinges.max() > limits.greatest_hinge_angle:
             continue
-        # A corner on two legs of 0.5 has this height; longer ones are rare.
-        if 0.25 * np.abs(np.sin(hinges)).min() < tolerance:
+        if _CORNER_HEIGHT * np.abs(np.sin(hinges)).min() < tolerance:
             continue
-        arcs_p = _dissect(rng, w, v, tolerance, curved=curved, topology=topology)
-        arcs_q = None if arcs_p is None else _dissect(rng, v, w, tolerance, curved=curved, topology=topology)
+        arcs_p = _dissect(rng, w, v, tolerance, limits, curved=curved, topology=topology)
+        arcs_q = None if arcs_p is None else _dissect(rng, v, w, tolerance, limits, curved=curved, topology=topology)
         if arcs_p is not None and arcs_q is not None:
             return _assemble(v, w, arcs_p, arcs_q)
         tries += 1
-        if tries % RELAX_AFTER == 0:
-            tolerance *= 0.7
+        if tries % _RELAX_AFTER == 0:
+            tolerance *= _RELAX
     raise ConstructionError(
         "none-found", f"no exact pair with n = {n}, seed = {seed}: try another seed, or fewer pieces"
     )
@@ -114,6 +112,9 @@ def dudeney() -> ExactPair:
     """Dudeney's triangle (p) and square (q), scaled to unit area; one of the four exterior pieces of p is empty.
 
     Hinges: the middles E, F of two sides, and two points P, Q of the third, in the order E, Q, P, F.
+
+    >>> len(dudeney().pieces)
+    4
     """
     corner_a, corner_c = np.array([0.0, 0.0]), np.array([1.0, 0.0])
     corner_b = np.array([0.5, math.sqrt(3.0) / 2.0])
@@ -138,7 +139,11 @@ def dudeney() -> ExactPair:
 
 
 def exact_transform(pair: ExactPair) -> Transform:
-    """The pair as a `riot.transform.transform.Transform`, its inputs being its own outlines."""
+    """The pair as a `riot.transform.transform.Transform`; its inputs are its own outlines.
+
+    >>> exact_transform(dudeney()).certificate().passed
+    True
+    """
     return Transform(
         pair.pieces,
         trunk_angles(pair.trunk_p),
@@ -154,48 +159,12 @@ def exact_transform(pair: ExactPair) -> Transform:
     )
 
 
-def _conjugate_polygons(rng: np.random.Generator, n: int) -> tuple[FloatArray, FloatArray] | None:
-    """(v, w), total area 1: convex, equal edge lengths, v listed counter-clockwise and w clockwise."""
-    lengths = 0.55 + 0.9 * rng.random(n)
-    if 2.0 * lengths.max() > 0.95 * lengths.sum():
-        return None
-    first, second = _convex_polygon(rng, lengths), _convex_polygon(rng, lengths)
-    if first is None or second is None:
-        return None
-    second = second * [1.0, -1.0]
-    scale = 1.0 / math.sqrt(signed_area(first) - signed_area(second))
-    return first * scale, second * scale
-
-
-def _convex_polygon(rng: np.random.Generator, lengths: FloatArray) -> FloatArray | None:
-    """A counter-clockwise convex polygon with these edge lengths and headings near random ones."""
-    n = len(lengths)
-    turns = 1.0 + 1.2 * (rng.random(n) - 0.5)
-    headings = 2.0 * math.pi * np.cumsum(turns) / turns.sum()
-    for _ in range(50):
-        edges = lengths[:, None] * np.stack([np.cos(headings), np.sin(headings)], axis=1)
-        gap = edges.sum(axis=0)
-        if np.abs(gap).max() < 1e-15 * n:
-            break
-        # Minimum-norm step: d(edge)/d(heading) is the edge turned by a quarter.
-        jacobian = np.stack([-edges[:, 1], edges[:, 0]])
-        gram = jacobian @ jacobian.T
-        if np.linalg.det(gram) < 1e-6:
-            return None
-        headings = headings - jacobian.T @ np.linalg.solve(gram, gap)
-    polygon = np.concatenate([np.zeros((1, 2)), np.cumsum(edges, axis=0)[:-1]])
-    turned = np.diff(headings, append=headings[0] + 2.0 * math.pi)
-    angles = math.pi - turned
-    if np.abs(gap).max() > 1e-12 or angles.min() < TRUNK_ANGLES[0] or angles.max() > TRUNK_ANGLES[1]:
-        return None
-    return polygon
-
-
 def _dissect(
     rng: np.random.Generator,
     inner: FloatArray,
     outer: FloatArray,
     tolerance: float,
+    limits: PairLimits,
     *,
     curved: bool,
     topology: Topology,
@@ -205,74 +174,30 @@ def _dissect(
     Returns the n arcs, from vertex j to j + 1 of ``inner``; None if all tries are bad.
     """
     n = len(inner)
-    for attempt in range(TREE_TRIES):
+    for attempt in range(_TREE_TRIES):
         tree = star(n) if topology == "star" else random_tree(rng, n, binary=topology == "binary")
-        # Inner nodes hold together, so that the leaves' arcs are long and the hinges plain to see.
         weights = np.exp(2.0 * (rng.random(len(tree.parent)) - 0.5))
-        weights[:n] *= 0.5
+        weights[:n] *= _LEAF_WEIGHT
         nodes = embed(tree, inner, weights)
-        # Calmer curves as tries fail.
-        bend = 0.3 * (1.0 - attempt / TREE_TRIES) if curved else 0.0
-        curves = {k: _curve(rng, nodes[k], nodes[tree.parent[k]], bend) for k in tree.arcs}
+        bend = _CURVE_HEIGHT * (1.0 - attempt / _TREE_TRIES) if curved else 0.0
+        curves = {k: curve(rng, nodes[k], nodes[tree.parent[k]], bend) for k in tree.arcs}
         arcs = _walks(tree, curves)
         outline = _outline(arcs, inner, outer)
-        # Cheapest first.
+        # The cheapest check comes first.
         if (
-            _marked(outline, outer, tolerance)
+            limits.allow_hinges(outline, outer, tolerance)
             and (not curved or _planar(inner, curves))
-            and all(map(_good_piece, arcs))
-            and _good_outline(outline, arcs)
+            and all(map(limits.allow_piece, arcs))
+            and limits.allow_outline(outline, arcs)
         ):
             return arcs
     return None
-
-
-def _curve(rng: np.random.Generator, start: FloatArray, end: FloatArray, bend: float) -> FloatArray:
-    """A polyline from start to end, straight if ``bend`` is 0, else a few waves of about that height × length."""
-    if bend == 0.0:
-        return np.array([start, end])
-    along = end - start
-    t = np.linspace(0.0, 1.0, max(5, math.ceil(float(np.hypot(*along)) / CURVE_STEP) + 1))
-    waves = 2.0 * (rng.random(3) - 0.5) / [1.0, 2.0, 4.0]
-    height = bend * sum(a * np.sin((k + 1) * math.pi * t) for k, a in enumerate(waves))
-    points = start + t[:, None] * along + height[:, None] * np.array([-along[1], along[0]])
-    points[0], points[-1] = start, end
-    return np.asarray(points)
 
 
 def _planar(corners: FloatArray, curves: dict[int, FloatArray]) -> bool:
     """Whether the tree's arcs and the polygon's edges meet in their common end points only."""
     edges = [corners[[j, (j + 1) % len(corners)]] for j in range(len(corners))]
     return bool(shapely.MultiLineString([*edges, *curves.values()]).is_simple)
-
-
-def _good_piece(arc: FloatArray) -> bool:
-    edge = (arc[-1] - arc[0]) / math.dist(arc[0], arc[-1])
-    depth = np.abs((arc - arc[0]) @ [-edge[1], edge[0]]).max()
-    polygon = shapely.Polygon(arc)
-    return bool(depth >= LEAST_DEPTH and polygon.area >= LEAST_AREA and _in_one_part(polygon.buffer(-CLEARANCE)))
-
-
-def _good_outline(outline: FloatArray, arcs: list[FloatArray]) -> bool:
-    perimeter = float(edge_lengths(outline).sum())
-    longest = max(float(np.hypot(*np.diff(arc, axis=0).T).sum()) for arc in arcs)
-    if perimeter > GREATEST_PERIMETER or longest > GREATEST_ARC * perimeter:
-        return False
-    polygon = shapely.Polygon(outline)
-    return (
-        polygon.is_valid and _in_one_part(polygon.buffer(-CLEARANCE)) and len(polygon.buffer(CLEARANCE).interiors) == 0
-    )
-
-
-def _marked(outline: FloatArray, trunk: FloatArray, tolerance: float) -> bool:
-    """Whether every vertex of the trunk is at a corner of the simplified outline."""
-    corners = outline[simplify(outline, tolerance)]
-    gaps = np.hypot(*(trunk[:, None, :] - corners[None, :, :]).transpose(2, 0, 1)).min(axis=1)
-    return bool(gaps.max() <= CORNER_DISTANCE)
-
-
-def _in_one_part(polygon: shapely.Geometry) -> bool:
-    return bool(polygon.geom_type == "Polygon" and not polygon.is_empty)
 
 
 def _walks(tree: PlanarTree, curves: dict[int, FloatArray]) -> list[FloatArray]:
