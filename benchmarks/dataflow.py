@@ -29,7 +29,8 @@ from pipeline.runtime.execute import Run
 from pipeline.stages.all import BY_NAME, recipes
 from pipeline.stages.trunk_arrays import unpack_trunks
 from pipeline.store.store import Store
-from riot.scores.qcrs import BlockScores, TrunkStack, score_block, stack
+from riot.scores.qcrs import BlockScores, score_block
+from riot.scores.trunk_stack import TrunkStack, stack
 
 OVERHEAD = 1.1
 """The stage may cost so many times the bare loop."""

@@ -14,7 +14,8 @@ from measure import least_seconds
 
 from riot.kernels.options import kernel
 from riot.parameters import QcrsParameters
-from riot.scores.qcrs import BlockScores, TrunkStack
+from riot.scores.qcrs import BlockScores
+from riot.scores.trunk_stack import TrunkStack
 from riot.scores.trunks import Trunks
 from riot.types import FloatArray, IntArray
 from riot.units import D_C

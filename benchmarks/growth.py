@@ -29,7 +29,8 @@ from inputs import pictures
 
 from riot.kernels.warm import warm_all
 from riot.scores.index import TrunkIndex, best_partners
-from riot.scores.qcrs import TrunkStack, score_block, stack
+from riot.scores.qcrs import score_block
+from riot.scores.trunk_stack import TrunkStack, stack
 from riot.scores.trunks import Trunks
 
 FORMAT = 1

@@ -43,7 +43,8 @@ from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
 from riot.parameters import ConstructParameters, RefineParameters
 from riot.scores.crs import best_trunk_pairs
-from riot.scores.qcrs import score_block, stack
+from riot.scores.qcrs import score_block
+from riot.scores.trunk_stack import stack
 from riot.scores.trunks import full_trunks, quick_trunks
 from riot.transform.certificate import certify
 from riot.transform.deformation import measure_deformation

@@ -21,7 +21,8 @@ from riot.geometry.shape import Shape
 from riot.kernels.coverage import area_terms
 from riot.parameters import ConstructParameters, CrsParameters, RefineParameters
 from riot.scores.crs import AREA_SLACK, CrossScore, best_trunk_pairs
-from riot.scores.qcrs import BlockScores, TrunkStack, brute_force, score_block, stack
+from riot.scores.qcrs import BlockScores, brute_force, score_block
+from riot.scores.trunk_stack import TrunkStack, stack
 from riot.scores.trunks import Trunks
 from riot.transform.certificate import certify
 from riot.transform.deformation import measure_deformation

@@ -26,8 +26,9 @@ from pipeline.tables.record import ARTIFACTS, RECORD, read_record
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.scores.index import TrunkIndex, best_partners
-from riot.scores.qcrs import BlockScores, TrunkStack, stack
+from riot.scores.qcrs import BlockScores
 from riot.scores.reversibility import reversibility
+from riot.scores.trunk_stack import TrunkStack, stack
 from riot.scores.trunks import Trunks, compared_trunks
 from riot.types import IntArray
 

@@ -15,7 +15,7 @@ from riot.cli import main as cli
 from riot.cli.slices import given, slice_model
 from riot.geometry.shape import Shape
 from riot.scores.index import best_partners
-from riot.scores.qcrs import stack
+from riot.scores.trunk_stack import stack
 from riot.slices.assign import Candidate, Shortlist
 
 

@@ -22,7 +22,8 @@ from riot.types import IntArray
 
 if TYPE_CHECKING:
     from riot.scores.index import Partners, TrunkIndex
-    from riot.scores.qcrs import BlockScores, TrunkStack
+    from riot.scores.qcrs import BlockScores
+    from riot.scores.trunk_stack import TrunkStack
 
 ROUNDING = 1e-9
 """Greatest relative difference of a pair's scores in its two directions, which sum in different orders (ours)."""

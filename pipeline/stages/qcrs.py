@@ -18,7 +18,8 @@ from pipeline.store.artifact import Artifact
 from riot import scores
 
 if TYPE_CHECKING:
-    from riot.scores.qcrs import BlockScores, TrunkStack
+    from riot.scores.qcrs import BlockScores
+    from riot.scores.trunk_stack import TrunkStack
 
 COLUMNS = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
 
@@ -26,7 +27,7 @@ COLUMNS = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
 def prepare(batch: Artifact) -> TrunkStack:
     """The stack of a batch's trunks, which the scores read."""
     starts, leaves = batch.arrays["leaf_offsets"].tolist(), np.array(batch.arrays["leaves"])
-    return scores.qcrs.stack(unpack_batch_trunks(batch), [leaves[a:b] for a, b in pairwise(starts)])
+    return scores.trunk_stack.stack(unpack_batch_trunks(batch), [leaves[a:b] for a, b in pairwise(starts)])
 
 
 def run(inputs: Sequence[TrunkStack], parameters: Sequence[Any], spec: bool | SubBlock) -> Artifact:

@@ -17,7 +17,7 @@ from riot import scores
 
 if TYPE_CHECKING:
     from riot.scores.index import TrunkIndex
-    from riot.scores.qcrs import TrunkStack
+    from riot.scores.trunk_stack import TrunkStack
 
 SHAPES_PER_SHARD = 640
 """Mean number of shapes in a shard, at most twice as many: what a worker holds at once, about 0.4 MB a shape while it

@@ -17,7 +17,8 @@ from pipeline.study.statistics import Agreement, agreement, calibration, precisi
 from pipeline.tables.schemas import column
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
 from riot.parameters.field import ParameterGroup, parameter
-from riot.scores.qcrs import score_pairs, stack
+from riot.scores.qcrs import score_pairs
+from riot.scores.trunk_stack import stack
 from riot.scores.trunks import compared_trunks
 from riot.types import FloatArray, IntArray
 

@@ -11,12 +11,13 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from pipeline.study.waves import deformed
-from riot.geometry.polyline import TIE, TOUCH, arc_length, edge_lengths
+from riot.geometry.polyline import TOUCH, arc_length, edge_lengths
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import mask_shape
 from riot.groundtruth.limits import PairLimits
 from riot.groundtruth.pairs import ExactPair, Topology, exact_pair
 from riot.kernels.segments import inside_shares
+from riot.kernels.simplify import TIE
 from riot.parameters import TrunkParameters
 from riot.scores.reversibility import cut_off, reversibility
 from riot.scores.trunks import Trunks, exterior_areas

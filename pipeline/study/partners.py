@@ -21,7 +21,8 @@ from riot.parameters import (
     TrunkParameters,
 )
 from riot.scores.crs import CrossSide, best_of_prepared, prepare
-from riot.scores.qcrs import score_block, stack
+from riot.scores.qcrs import score_block
+from riot.scores.trunk_stack import stack
 from riot.scores.trunks import Trunks, compared_trunks, full_trunks
 from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform

@@ -22,7 +22,8 @@ from pipeline.study.statistics import Agreement, agreement
 from pipeline.tables.schemas import column
 from riot.parameters import QCRS_VARIANTS, QcrsParameters, QcrsVariant
 from riot.parameters.field import ParameterGroup, parameter
-from riot.scores.qcrs import TrunkStack, score_block, score_pairs, stack
+from riot.scores.qcrs import score_block, score_pairs
+from riot.scores.trunk_stack import TrunkStack, stack
 from riot.scores.trunks import compared_trunks
 
 

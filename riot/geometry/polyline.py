@@ -12,12 +12,9 @@ import shapely
 from riot.kernels.simplify import douglas_peucker, farthest_vertex, halved, simplified
 from riot.types import BoolArray, FloatArray, IntArray
 
-TIE = 1e-9
-"""Relative difference below which two ratios, angles or distances count as equal, and a value as on its limit, so
-that a moved copy of a shape gives the same results although its coordinates round otherwise."""
-
 TOUCH = 1e-9
-"""Distance below which a segment touches the boundary instead of passing it, in the unit-area frame."""
+"""Distance below which a segment touches the boundary instead of passing it, in the unit-area frame. Ours: far above
+rounding, far below any length that is seen."""
 
 
 def shifted(values: FloatArray, by: int) -> FloatArray:

@@ -196,10 +196,17 @@ def _repaired(points: FloatArray, where: str) -> FloatArray:
         refuse_tangles([points])
     except TangleError as error:
         raise SilhouetteError("self-crossing", f"{where}: {error}; give the boundary of one region") from error
-    parts = shapely.get_parts(shapely.make_valid(shapely.Polygon(points)))
-    regions = [shapely.Polygon(part.exterior) for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
+    components = shapely.get_parts(shapely.make_valid(shapely.Polygon(points)))
+    regions = [
+        shapely.Polygon(component.exterior)
+        for component in components
+        if component.geom_type == "Polygon" and component.area > 0.0
+    ]
     regions += [
-        shapely.Polygon(piece.exterior) for part in parts if part.geom_type == "MultiPolygon" for piece in part.geoms
+        shapely.Polygon(piece.exterior)
+        for component in components
+        if component.geom_type == "MultiPolygon"
+        for piece in component.geoms
     ]
     if not regions:
         raise SilhouetteError("degenerate", f"{where}: the outline encloses no area")

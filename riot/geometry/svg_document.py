@@ -206,11 +206,11 @@ def _hide(root: ElementTree.Element) -> None:
     for parent in list(root.iter()):
         if _tag(parent) == "defs":
             continue
-        for place, child in enumerate(list(parent)):
+        for index, child in enumerate(list(parent)):
             if _tag(child) in _NOT_DRAWN:
                 wrapper = ElementTree.Element(f"{{{NAMESPACE}}}defs")
                 wrapper.append(child)
-                parent[place] = wrapper
+                parent[index] = wrapper
 
 
 def _space(name: str) -> str:

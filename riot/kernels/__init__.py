@@ -1,7 +1,8 @@
-"""Numba kernels: plain arrays in and out, one module a hot loop; geometry, policy and files stay outside.
+"""Numba kernels: functions of plain arrays, one module for each hot loop; geometry, policy and files stay outside.
 
-Fast mathematics stay off (`options`), so that the same input gives the same bits in every process. A module's ``warm``
-compiles its kernels; an edit compiles them again, which takes minutes (tests/unit/test_kernels.py).
+Fast mathematics are off (`options`), so that the same input gives the same bits in every process. The function ``warm``
+of a module compiles its kernels, and an edit makes them compile again: README.md says what may be changed
+(tests/unit/test_kernels.py).
 """
 
 import lazy_loader

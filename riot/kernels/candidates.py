@@ -1,15 +1,15 @@
-"""CRS's candidates: trunk pairs of two shapes, nearest first by what is cheap to bound (theory §6; pruning ours).
+"""Candidates of CRS: the trunk pairs of two shapes in order of a cheap lower bound (theory §6; pruning ours).
 
 The bound of trunk T of P and trunk T' of Q, both n-gons, at shift s, with vertex j of T on vertex (s − j) mod n of T'::
 
     max( Σ|e − e'| / (n σ_E),  (Σ|β − α'| + Σ|α − β'|) / (2 n σ_∠),  (|area deficit| − slack) / σ_A )
 
-Swung onto the other trunk a piece's area grows by the square of the edges' ratio, so that the area term is at least
-|trunk area − Σ pieces|, less a slack for the scanlines.
+A piece that swings onto the other trunk is scaled by the ratio of the edges, and its area by the square of that. So the
+area term is at least |trunk area − Σ pieces|, less a slack for the error of the scanlines.
 
-No shift brings the first two below the L1 distances of the ranked edges and angles, and no two trunks are nearer to
-each other than boxes round them: every shape's trunks of one n are divided into leaves of similar trunks, and the leaf
-pairs are searched in order of the distance of their boxes.
+At every shift the first two terms are at least the L1 distances of the sorted edges and angles, and two trunks are at
+least as far apart as boxes around them. So the trunks of one n of a shape are divided into leaves of similar trunks,
+and the pairs of leaves are searched in order of the distance of their boxes.
 """
 
 from __future__ import annotations
@@ -21,25 +21,29 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.types import FloatArray, IntArray
 
-SLACK = 1e-12
-"""Lower bounds are summed in another order than the distance; one that exceeds the limit by less prunes nothing."""
+PRUNING_SLACK = 1e-12
+"""A lower bound prunes only if it exceeds the limit by more than this: it is summed in another order than the distance.
 
-LEAF = 8
-"""Trunks of a leaf; any number gives the same result."""
+Ours: distances are of order 1, and sums of some dozen terms round by about 1e-15."""
 
-LEAVES = 64
-"""So many leaves of one n at most, more or less: leaves grow instead; any number gives the same result."""
+CRS_LEAF = 8
+"""Least number of trunks in a leaf of the CRS search. Ours: any number gives the same result, this one a quick
+search."""
+
+CRS_LEAVES = 64
+"""Greatest number of leaves of one n, about: shapes with more trunks get larger leaves. Ours: any number gives the same
+result, and all pairs of leaves are bounded, so that their number is kept low."""
 
 
 class TrunkSide(NamedTuple):
-    """The trunks of one shape as the kernels want them, in order of n and, within it, of the leaves.
+    """The trunks of one shape, laid out for the CRS search: in order of n and, within one n, of the leaves.
 
     ``order`` (t,) the trunks' numbers; ``areas`` (t,) of the trunks; ``spreads`` (t,) |Σβ − (n − 2)π|, the least that
-    Σ|β − α'| can be; ``begins`` (t + 1,) where the corners of each trunk begin. Of the trunk whose corners begin at x,
-    ``ranked`` (3 s,) holds n edges, n alphas and n betas, each in ascending order, from 3 x; ``corners`` (4 s,) n
-    edges, n alphas, n betas, and n signed areas of the exterior pieces on the edges from 4 x. ``leaves`` (l + 1,) where
-    each leaf's trunks begin; ``boxes`` (l + 1,) where each leaf's 3 n entries begin in ``low`` and ``high``, the least
-    and greatest of every entry of ``ranked`` in the leaf.
+    Σ|β − α'| can be; ``begins`` (t + 1,) where the corners of each trunk begin. For a trunk whose corners begin at x,
+    ``ranked`` (3 s,) has n edges, n alphas and n betas from 3 x on, each in ascending order, and ``corners`` (4 s,) has
+    n edges, n alphas, n betas and n signed areas of the exterior pieces on the edges from 4 x on. ``leaves`` (l + 1,)
+    where the trunks of each leaf begin; ``boxes`` (l + 1,) where the 3 n entries of each leaf begin in ``low`` and
+    ``high``, which are the least and greatest of every entry of ``ranked`` in the leaf.
     """
 
     order: IntArray
@@ -55,7 +59,7 @@ class TrunkSide(NamedTuple):
 
 
 class Units(NamedTuple):
-    """σ_E, σ_∠ and σ_A in absolute units, and by how much the scanlines' area term may be off."""
+    """σ_E, σ_∠ and σ_A in absolute units, and the greatest error of the area term by scanlines."""
 
     edge: float
     angle: float
@@ -96,8 +100,8 @@ def arrange(
             if offsets[t + 1] - offsets[t] == n:
                 order[filled] = t
                 filled += 1
-        size = max(LEAF, (filled - begin + LEAVES - 1) // LEAVES)
-        # Ends of the parts still to come, the next at last; a part is halved until it is small enough for a leaf.
+        size = max(CRS_LEAF, (filled - begin + CRS_LEAVES - 1) // CRS_LEAVES)
+        # Ends of the ranges that remain, the next one last; a range is halved until it is small enough for a leaf.
         ends = [filled]
         while begin < filled:
             end = ends[-1]
@@ -151,7 +155,7 @@ def arrange(
 
 @kernel
 def _rank(values: FloatArray, start: int, stop: int, out: FloatArray, base: int) -> None:
-    """Copy values from ``start`` to ``stop`` in ascending order to ``out``, from ``base``."""
+    """Copy ``values[start:stop]`` in ascending order to ``out``, from ``base`` on."""
     for k in range(stop - start):
         value, slot = values[start + k], base + k
         while slot > base and out[slot - 1] > value:
@@ -163,15 +167,15 @@ def _rank(values: FloatArray, start: int, stop: int, out: FloatArray, base: int)
 @kernel
 def _widest(ranked: FloatArray, offsets: IntArray, trunks: IntArray, n: int) -> int:
     """The rank at which trunks of n vertices differ most."""
-    widest, found = -1.0, 0
+    greatest, widest_rank = -1.0, 0
     for rank in range(n):
         low, high = np.inf, -np.inf
         for t in trunks:
             value = ranked[offsets[t] + rank]
             low, high = min(low, value), max(high, value)
-        if high - low > widest:
-            widest, found = high - low, rank
-    return found
+        if high - low > greatest:
+            greatest, widest_rank = high - low, rank
+    return widest_rank
 
 
 @kernel
@@ -204,11 +208,11 @@ def leaf_pairs(a: TrunkSide, b: TrunkSide, units: Units) -> tuple[FloatArray, In
     # To take an array out of a tuple costs more than most of what is done with it below.
     low_a, high_a, boxes_a = a.low, a.high, a.boxes
     low_b, high_b, boxes_b = b.low, b.high, b.boxes
-    room = 0
+    capacity = 0
     for i in range(len(boxes_a) - 1):
         for j in range(len(boxes_b) - 1):
-            room += 1 if boxes_a[i + 1] - boxes_a[i] == boxes_b[j + 1] - boxes_b[j] else 0
-    bounds, pairs = np.empty(room), np.empty((room, 2), dtype=np.int64)
+            capacity += 1 if boxes_a[i + 1] - boxes_a[i] == boxes_b[j + 1] - boxes_b[j] else 0
+    bounds, pairs = np.empty(capacity), np.empty((capacity, 2), dtype=np.int64)
     count = 0
     for i in range(len(boxes_a) - 1):
         x, n = boxes_a[i], (boxes_a[i + 1] - boxes_a[i]) // 3
@@ -240,14 +244,15 @@ def nearest_candidates(
     pairs: IntArray,
     above: float,
     limit: float,
-    found: FloatArray,
+    candidates: FloatArray,
     which: IntArray,
 ) -> tuple[int, float]:
     """List the (T, T', shift) of two shapes whose bound is greater than ``above`` and at most ``limit``.
 
-    ``bounds`` and ``pairs`` are those of `leaf_pairs` in ascending order. Fills ``found`` (r, 2) with the bound and
-    max(d_E/σ_E, d_∠/σ_∠), ``which`` (r, 3); returns how many there are and the limit, which is lowered as often as
-    there is no more room, those of greater bound being dropped. With −1 there are too many of one bound.
+    ``bounds`` and ``pairs`` are those of `leaf_pairs` in ascending order. Fills ``candidates`` (r, 2) with the bound
+    and max(d_E/σ_E, d_∠/σ_∠), and ``which`` (r, 3). Returns the number of candidates and the limit: whenever the arrays
+    are full, the limit is lowered and candidates of greater bound are dropped. The number is −1 if that cannot help,
+    because all bounds are equal.
     """
     # To take an array out of a tuple costs more than most of what is done with it below.
     order_a, areas_a, spreads_a, begins_a, leaves_a = a.order, a.areas, a.spreads, a.begins, a.leaves
@@ -259,7 +264,7 @@ def nearest_candidates(
         longest = max(longest, boxes[j + 1] - boxes[j])
     edges, alphas, betas, pieces = np.empty(longest), np.empty(longest), np.empty(longest), np.empty(longest)
     for k in range(len(bounds)):
-        if bounds[k] > limit + SLACK:
+        if bounds[k] > limit + PRUNING_SLACK:
             break
         i, j = pairs[k, 0], pairs[k, 1]
         box, n = boxes[j], (boxes[j + 1] - boxes[j]) // 3
@@ -272,20 +277,20 @@ def nearest_candidates(
                 alpha, beta = ranked_a[x + n + m], ranked_a[x + 2 * n + m]
                 angle += max(max(alpha - high[box + 2 * n + m], low[box + 2 * n + m] - alpha), 0.0)
                 angle += max(max(beta - high[box + n + m], low[box + n + m] - beta), 0.0)
-            if max(edge * edge_unit, angle * angle_unit) > limit + SLACK:
+            if max(edge * edge_unit, angle * angle_unit) > limit + PRUNING_SLACK:
                 continue
             for q in range(leaves_b[j], leaves_b[j + 1]):
                 x, y = 3 * begins_a[p], 3 * begins_b[q]
                 edge, angle = 0.0, spreads_a[p] + spreads_b[q]
                 for m in range(n):
                     edge += abs(ranked_a[x + m] - ranked_b[y + m])
-                if max(edge * edge_unit, angle * angle_unit) > limit + SLACK:
+                if max(edge * edge_unit, angle * angle_unit) > limit + PRUNING_SLACK:
                     continue
                 angle, other = 0.0, 0.0
                 for m in range(n):
                     angle += abs(ranked_a[x + n + m] - ranked_b[y + 2 * n + m])
                     other += abs(ranked_a[x + 2 * n + m] - ranked_b[y + n + m])
-                if (angle + other) * angle_unit > limit + SLACK:
+                if (angle + other) * angle_unit > limit + PRUNING_SLACK:
                     continue
                 # T' listed backwards, twice: entry −s mod n + m faces corner m of T; pieces belong to edges.
                 x, y = 4 * begins_a[p], 4 * begins_b[q]
@@ -320,22 +325,22 @@ def nearest_candidates(
                     bound = max(terms, deficit / units.area)
                     if bound > limit or bound <= above:
                         continue
-                    if count == found.shape[0]:
-                        count, limit = _lower(found, which, count, limit)
+                    if count == candidates.shape[0]:
+                        count, limit = _lower(candidates, which, count, limit)
                         if count < 0:
                             return -1, limit
                         if bound > limit:
                             continue
-                    found[count, 0], found[count, 1] = bound, terms
+                    candidates[count, 0], candidates[count, 1] = bound, terms
                     which[count, 0], which[count, 1], which[count, 2] = t, u, s
                     count += 1
     return count, limit
 
 
 @kernel
-def _lower(found: FloatArray, which: IntArray, count: int, limit: float) -> tuple[int, float]:
+def _lower(candidates: FloatArray, which: IntArray, count: int, limit: float) -> tuple[int, float]:
     """Lower the limit to about the middle bound and drop what exceeds it; (−1, limit) if all bounds are equal."""
-    ordered = np.sort(found[:count, 0])
+    ordered = np.sort(candidates[:count, 0])
     middle = (count - 1) // 2
     while middle >= 0 and ordered[middle] == ordered[count - 1]:
         middle -= 1
@@ -343,8 +348,8 @@ def _lower(found: FloatArray, which: IntArray, count: int, limit: float) -> tupl
         return -1, limit
     kept = 0
     for k in range(count):
-        if found[k, 0] <= ordered[middle]:
-            found[kept, 0], found[kept, 1] = found[k, 0], found[k, 1]
+        if candidates[k, 0] <= ordered[middle]:
+            candidates[kept, 0], candidates[kept, 1] = candidates[k, 0], candidates[k, 1]
             which[kept, 0], which[kept, 1], which[kept, 2] = which[k, 0], which[k, 1], which[k, 2]
             kept += 1
     return kept, ordered[middle]
@@ -357,5 +362,5 @@ def warm() -> None:
     pieces = piece_areas(points, np.zeros(4), offsets, np.arange(3))
     side = arrange(offsets, three, three, three, pieces, np.ones(1))
     units = Units(0.1, 0.5, 0.1, 0.0)
-    room = np.empty((3, 2)), np.empty((3, 3), dtype=np.int64)
-    nearest_candidates(side, side, units, *leaf_pairs(side, side, units), -1.0, 1.0, *room)
+    buffers = np.empty((3, 2)), np.empty((3, 3), dtype=np.int64)
+    nearest_candidates(side, side, units, *leaf_pairs(side, side, units), -1.0, 1.0, *buffers)

@@ -1,10 +1,10 @@
 """Labelling a trunk's mesh with its nearest exterior pieces, by signed distance (theory §8; methods ours).
 
 The signed distance of a point to arc i is negative inside the region between the arc and its chord, which is the trunk
-edge. Inside the trunk it changes no faster than the point moves: its sign changes on the arc, at 0, or on the chord,
-outside. So a look from the middle of a block of mesh points tells which pieces can be nearest anywhere in the block,
-and most blocks need no closer look. What is computed of a distance is the same to the last bit wherever it is asked
-for: boxes around runs of segments only leave out those that cannot hold the nearest point.
+edge. Inside the trunk it changes at most as fast as the point moves: its sign changes only on the arc, where it is 0,
+or on the chord, which is the trunk's border. So the distances from the middle of a block of mesh points tell which
+pieces can be nearest anywhere in the block, and most blocks are labelled at once. A distance has the same bits wherever
+it is computed: boxes around runs of segments only leave out segments that cannot contain the nearest point.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
-SLACK = 1e-12
-"""Bounds are loosened by this against rounding."""
+BOUND_SLACK = 1e-12
+"""Every bound on a distance is loosened by this, in the unit-area frame. Ours: a thousand times the rounding there."""
 
-RUN = 4
-"""Segments of an arc that share a box."""
+BOX_SEGMENTS = 4
+"""Number of segments of an arc that share a box. Ours: any number gives the same labels, this one a quick search."""
 
 
 class Arcs(NamedTuple):
     """The arcs of n exterior pieces in a trunk, in the order of its edges.
 
-    ``points`` (s, 2) are the concatenated polylines, ``offsets`` (n + 1,) where each starts; ``boxes`` (b, 4) hold
-    least x, least y, greatest x and greatest y of `RUN` segments each, loosened by `SLACK`; ``runs`` (n + 1,) is where
-    each arc's boxes start.
+    ``points`` (s, 2) are the concatenated polylines, ``offsets`` (n + 1,) where each starts; ``boxes`` (b, 4) are the
+    least x, least y, greatest x and greatest y of `BOX_SEGMENTS` segments each, loosened by `BOUND_SLACK`; ``runs`` (n
+    + 1,) is where each arc's boxes start.
     """
 
     points: FloatArray
@@ -48,18 +48,24 @@ def boxed(points: FloatArray, offsets: IntArray, first: int) -> Arcs:
         k = (first + i) % n
         size = offsets[k + 1] - offsets[k]
         starts[i + 1] = starts[i] + size
-        runs[i + 1] = runs[i] + (size - 1 + RUN - 1) // RUN
+        runs[i + 1] = runs[i] + (size - 1 + BOX_SEGMENTS - 1) // BOX_SEGMENTS
         out[starts[i] : starts[i + 1]] = points[offsets[k] : offsets[k + 1]]
     boxes = np.empty((runs[n], 4))
     for i in range(n):
         last = starts[i + 1] - 1
         for b in range(runs[i], runs[i + 1]):
-            start = starts[i] + (b - runs[i]) * RUN
-            stop = min(start + RUN, last)
+            start = starts[i] + (b - runs[i]) * BOX_SEGMENTS
+            stop = min(start + BOX_SEGMENTS, last)
             boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3] = np.inf, np.inf, -np.inf, -np.inf
             for s in range(start, stop + 1):
-                boxes[b, 0], boxes[b, 2] = min(boxes[b, 0], out[s, 0] - SLACK), max(boxes[b, 2], out[s, 0] + SLACK)
-                boxes[b, 1], boxes[b, 3] = min(boxes[b, 1], out[s, 1] - SLACK), max(boxes[b, 3], out[s, 1] + SLACK)
+                boxes[b, 0], boxes[b, 2] = (
+                    min(boxes[b, 0], out[s, 0] - BOUND_SLACK),
+                    max(boxes[b, 2], out[s, 0] + BOUND_SLACK),
+                )
+                boxes[b, 1], boxes[b, 3] = (
+                    min(boxes[b, 1], out[s, 1] - BOUND_SLACK),
+                    max(boxes[b, 3], out[s, 1] + BOUND_SLACK),
+                )
     return Arcs(out, starts, boxes, runs)
 
 
@@ -74,9 +80,9 @@ def _nearest(px: float, py: float, arcs: Arcs, i: int, within: float) -> float:
         apart_y = max(boxes[b, 1] - py, py - boxes[b, 3], 0.0)
         if apart_x * apart_x + apart_y * apart_y > least:
             continue
-        start = arcs.offsets[i] + (b - arcs.runs[i]) * RUN
+        start = arcs.offsets[i] + (b - arcs.runs[i]) * BOX_SEGMENTS
         ax, ay = points[start, 0] - px, points[start, 1] - py
-        for s in range(start + 1, min(start + RUN, last) + 1):
+        for s in range(start + 1, min(start + BOX_SEGMENTS, last) + 1):
             bx, by = points[s, 0] - px, points[s, 1] - py
             ex, ey = bx - ax, by - ay
             square = ex * ex + ey * ey
@@ -100,9 +106,9 @@ def _is_inside(px: float, py: float, arcs: Arcs, i: int) -> bool:
     for b in range(arcs.runs[i], arcs.runs[i + 1]):
         if py < boxes[b, 1] or py > boxes[b, 3] or px > boxes[b, 2]:
             continue
-        start = first + (b - arcs.runs[i]) * RUN
+        start = first + (b - arcs.runs[i]) * BOX_SEGMENTS
         ax, ay = points[start, 0] - px, points[start, 1] - py
-        for s in range(start + 1, min(start + RUN, last) + 1):
+        for s in range(start + 1, min(start + BOX_SEGMENTS, last) + 1):
             bx, by = points[s, 0] - px, points[s, 1] - py
             ex, ey = bx - ax, by - ay
             if (ay > 0.0) != (by > 0.0) and ax - ay / ey * ex > 0.0:
@@ -128,11 +134,11 @@ def _known(distances: FloatArray, inside: FloatArray, arcs: Arcs, k: int, i: int
 
 @kernel
 def _beside(inside: FloatArray, arcs: Arcs, k: int, other: int, known: float, i: int) -> float:
-    """Signed distance of mesh point k to arc i, if that of another, not far, is ``known`` (not NaN) or not."""
+    """Signed distance of mesh point k to arc i; ``known`` is that of a neighbouring point, or NaN."""
     x, y = inside[k, 0], inside[k, 1]
     if np.isnan(known):
         return _signed(x, y, arcs, i)
-    apart = np.hypot(x - inside[other, 0], y - inside[other, 1]) + SLACK
+    apart = np.hypot(x - inside[other, 0], y - inside[other, 1]) + BOUND_SLACK
     far = _nearest(x, y, arcs, i, abs(known) + apart)
     negative = known < 0.0 if abs(known) > apart else _is_inside(x, y, arcs, i)
     return -far if negative else far
@@ -148,12 +154,12 @@ def nearest_pieces(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatA
     n = len(arcs.offsets) - 1
     labels = np.zeros(len(inside), dtype=np.int64)
     # Blocks of points u·a + s·b between spokes a and b, u + s ≤ rings, are quartered until one piece is left. Every
-    # block knows the distances from the middle of the block before it, and by how much its own points may differ.
+    # block has the distances from the middle of the block that it is a quarter of, and a bound of the change since.
     whole = 1
     while whole < rings:
         whole *= 2
-    room = 4 * (int(np.log2(whole)) + 2)
-    blocks, seen, slack = np.empty((room, 3), dtype=np.int64), np.empty((room, n)), np.empty(room)
+    capacity = 4 * (int(np.log2(whole)) + 2)
+    blocks, seen, slack = np.empty((capacity, 3), dtype=np.int64), np.empty((capacity, n)), np.empty(capacity)
     here = np.empty(n)
     centre = len(inside) - 1
     for side in range(n):
@@ -164,9 +170,9 @@ def nearest_pieces(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatA
             top -= 1
             u0, s0, size = blocks[top, 0], blocks[top, 1], blocks[top, 2]
             u1, s1 = min(u0 + size - 1, rings - s0), min(s0 + size - 1, rings - u0)
-            one, two = _place(n, rings, side, u1, s0), _place(n, rings, side, u0, s1)
-            # Halfway between two of the block's points the look is from inside the trunk.
-            x, y = 0.5 * (inside[one, 0] + inside[two, 0]), 0.5 * (inside[one, 1] + inside[two, 1])
+            corner_a, corner_b = _mesh_index(n, rings, side, u1, s0), _mesh_index(n, rings, side, u0, s1)
+            # A point halfway between two of the block's points lies inside the trunk.
+            x, y = 0.5 * (inside[corner_a, 0] + inside[corner_b, 0]), 0.5 * (inside[corner_a, 1] + inside[corner_b, 1])
             radius = 0.0
             if size > 1:
                 radius = _reach(inside, n, rings, side, u0, u1, s0, s1, x, y)
@@ -181,21 +187,21 @@ def nearest_pieces(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatA
                 if here[i] < best:
                     best, label = here[i], i
             if size == 1:
-                labels[one] = label
+                labels[corner_a] = label
                 for i in range(n):
                     if here[i] < np.inf:
-                        distances[one, i] = here[i]
+                        distances[corner_a, i] = here[i]
                 continue
             left = 0
             for i in range(n):
-                if here[i] > best + 2.0 * (radius + SLACK):
+                if here[i] > best + 2.0 * (radius + BOUND_SLACK):
                     here[i] = np.inf
                 else:
                     left += 1
             if left == 1:
                 for u in range(u0, u1 + 1):
                     for s in range(s0, min(s1, rings - u) + 1):
-                        labels[_place(n, rings, side, u, s)] = label
+                        labels[_mesh_index(n, rings, side, u, s)] = label
                 continue
             half = size // 2
             for quarter in range(4):
@@ -204,7 +210,7 @@ def nearest_pieces(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatA
                     blocks[top, 0], blocks[top, 1], blocks[top, 2] = u, s, half
                     for i in range(n):
                         seen[top, i] = here[i]
-                    slack[top] = radius + SLACK
+                    slack[top] = radius + BOUND_SLACK
                     top += 1
     for i in range(n):
         if _known(distances, inside, arcs, centre, i) < distances[centre, labels[centre]]:
@@ -213,7 +219,7 @@ def nearest_pieces(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatA
 
 
 @kernel
-def _place(n: int, rings: int, side: int, u: int, s: int) -> int:
+def _mesh_index(n: int, rings: int, side: int, u: int, s: int) -> int:
     """Index of mesh point u·a + s·b between the spokes of ``side``: rings are listed from the outermost inwards."""
     r = u + s
     return (n * (rings * (rings + 1) - r * (r + 1))) // 2 + side * r + s
@@ -223,7 +229,7 @@ def _place(n: int, rings: int, side: int, u: int, s: int) -> int:
 def _reach(
     inside: FloatArray, n: int, rings: int, side: int, u0: int, u1: int, s0: int, s1: int, x: float, y: float
 ) -> float:
-    """Greatest distance from (x, y) to the points of the block u0…u1, s0…s1, u + s ≤ rings: that to its corners."""
+    """Greatest distance from (x, y) to the points of the block u0…u1, s0…s1, u + s ≤ rings: a corner has it."""
     worst = 0.0
     for corner in range(5):
         u, s = u0, s0
@@ -235,7 +241,7 @@ def _reach(
             u, s = u1, min(s1, rings - u1)
         elif corner == 4:
             u, s = min(u1, rings - s1), s1
-        k = _place(n, rings, side, u, s)
+        k = _mesh_index(n, rings, side, u, s)
         worst = max(worst, (inside[k, 0] - x) ** 2 + (inside[k, 1] - y) ** 2)
     return float(np.sqrt(worst))
 
@@ -265,8 +271,8 @@ def lost_contact(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatArr
 @kernel
 def rooted(labels: IntArray, triangles: IntArray, boundary: int) -> BoolArray:
     """(k,) which mesh points are connected, within their cell, to one of the first ``boundary`` points."""
-    found = np.zeros(len(labels), dtype=np.bool_)
-    found[:boundary] = True
+    is_rooted = np.zeros(len(labels), dtype=np.bool_)
+    is_rooted[:boundary] = True
     left, before, inwards = len(labels) - boundary, -1, True
     # Cells mostly widen from the boundary inwards, and triangles are listed outwards: few passes reach all.
     while left > 0 and left != before:
@@ -275,26 +281,26 @@ def rooted(labels: IntArray, triangles: IntArray, boundary: int) -> BoolArray:
             t = len(triangles) - 1 - step if inwards else step
             for k in range(3):
                 a, b = triangles[t, k], triangles[t, k - 1]
-                if found[a] != found[b] and labels[a] == labels[b]:
-                    found[a] = found[b] = True
+                if is_rooted[a] != is_rooted[b] and labels[a] == labels[b]:
+                    is_rooted[a] = is_rooted[b] = True
                     left -= 1
         inwards = not inwards
-    return found
+    return is_rooted
 
 
 @kernel
 def weights(points: FloatArray, triangles: IntArray) -> FloatArray:
     """(k,) a third of the area of the triangles around every mesh point."""
-    found = np.zeros(len(points))
+    areas = np.zeros(len(points))
     for t in range(len(triangles)):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
         vx, vy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
         third = 0.5 * abs(ux * vy - uy * vx) / 3.0
-        found[a] += third
-        found[b] += third
-        found[c] += third
-    return found
+        areas[a] += third
+        areas[b] += third
+        areas[c] += third
+    return areas
 
 
 @kernel
@@ -340,20 +346,20 @@ def distances_beside(
     inside: FloatArray, triangles: IntArray, arcs: Arcs, labels: IntArray, distances: FloatArray
 ) -> IntArray:
     """(m,) the triangles in which cells meet; fills in ``distances`` of their corners to those cells' pieces."""
-    found = np.empty(len(triangles), dtype=np.int64)
+    mixed = np.empty(len(triangles), dtype=np.int64)
     m = 0
     for t in range(len(triangles)):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         if labels[a] == labels[b] and labels[b] == labels[c]:
             continue
-        found[m] = t
+        mixed[m] = t
         m += 1
-        for k, one, two in ((a, b, c), (b, c, a), (c, a, b)):
+        for k, next_corner, last_corner in ((a, b, c), (b, c, a), (c, a, b)):
             for i in (labels[a], labels[b], labels[c]):
                 if np.isnan(distances[k, i]):
-                    other = two if np.isnan(distances[one, i]) else one
+                    other = last_corner if np.isnan(distances[next_corner, i]) else next_corner
                     distances[k, i] = _beside(inside, arcs, k, other, distances[other, i], i)
-    return found[:m]
+    return mixed[:m]
 
 
 def warm() -> None:
@@ -364,7 +370,7 @@ def warm() -> None:
     labels = nearest_pieces(corners, 1, arcs, distances)
     triangles = np.array([[3, 0, 1], [3, 1, 2], [3, 2, 0]], dtype=np.int64)
     lost_contact(corners, 1, arcs, distances, 0.0)
-    found = rooted(labels, triangles, 3)
+    is_rooted = rooted(labels, triangles, 3)
     weights(corners, triangles)
-    flood(corners, triangles, arcs, found, labels, distances)
+    flood(corners, triangles, arcs, is_rooted, labels, distances)
     distances_beside(corners, triangles, arcs, labels, distances)

@@ -1,10 +1,10 @@
-"""The least change of a shape that an exact construction on given conjugate trunks makes, and its gradient (theory §8).
+"""The least change that an exact construction on given conjugate trunks makes to a shape, and its gradient (theory §8).
 
 Each arc of P is carried rigidly from its edge of T onto the same edge of T̄ and closed by it to a region with winding
-number w_i. With W = Σ w_i an exact construction loses overlaps, ∫_{T̄} max(W − 1, 0), and what lies outside,
-∫_{outside T̄} Σ max(w_i, 0), and adds gaps, ∫_{T̄} max(1 − W, 0), and what the trunk has but P lacks,
-∫_{outside T̄} Σ max(−w_i, 0). The areas are summed by scanlines; moving a crossing changes them by the difference of the
-integrands on its two sides, which gives the gradient at no more cost.
+number w_i. With W = Σ w_i an exact construction loses overlaps, ∫_{T̄} max(W − 1, 0), and what lies outside, ∫_{outside
+T̄} Σ max(w_i, 0), and adds gaps, ∫_{T̄} max(1 − W, 0), and what the trunk has but P lacks, ∫_{outside T̄} Σ max(−w_i,
+0). The areas are summed by scanlines. A crossing that moves changes them by the difference of the integrands on its two
+sides, so that the same sweep gives the gradient.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.types import FloatArray, IntArray
 
-SAME = 1e-9
-"""Points of a placed arc closer than this are one."""
+SAME_POINT = 1e-9
+"""Consecutive points of a placed arc that are nearer than this, in the unit-area frame, become one point. Ours."""
 
 LOST, ADDED = 0, 1
+"""Indices of the two areas in arrays."""
 
 
 @kernel
@@ -58,11 +59,11 @@ def placed_arcs(
                 x, y = points[k, 0], points[k, 1]
             x, y = x - px, y - py
             x, y = tx + real * x - imaginary * y, ty + real * y + imaginary * x
-            if abs(x - out[total - 1, 0]) + abs(y - out[total - 1, 1]) > SAME:
+            if abs(x - out[total - 1, 0]) + abs(y - out[total - 1, 1]) > SAME_POINT:
                 out[total, 0], out[total, 1] = x, y
                 total += 1
         x, y = target[after, 0], target[after, 1]
-        if total - 1 > offsets[i] and abs(x - out[total - 1, 0]) + abs(y - out[total - 1, 1]) <= SAME:
+        if total - 1 > offsets[i] and abs(x - out[total - 1, 0]) + abs(y - out[total - 1, 1]) <= SAME_POINT:
             total -= 1
         out[total, 0], out[total, 1] = x, y
         total += 1
@@ -108,9 +109,9 @@ def least_changes(
     backwards, as `feet` reads them: arcs are divided at the boundary points nearest to the corners.
     """
     n = trunks.shape[1]
-    room = max(len(points_p), len(points_q)) + 5 * n
-    arcs, offsets = np.empty((room, 2)), np.empty(n + 1, dtype=np.int64)
-    found, gradient = np.empty(2), np.zeros((2, 2, n, 2))
+    capacity = max(len(points_p), len(points_q)) + 5 * n
+    arcs, offsets = np.empty((capacity, 2)), np.empty(n + 1, dtype=np.int64)
+    ious, gradient = np.empty(2), np.zeros((2, 2, n, 2))
     for side in range(2):
         source, target = trunks[side].copy(), trunks[1 - side].copy()
         if side == 1:
@@ -124,7 +125,7 @@ def least_changes(
             after = k + 1 if k + 1 < m else 0
             area += 0.5 * (points[k, 0] * points[after, 1] - points[after, 0] * points[k, 1])
         iou = (area - areas[LOST]) / (area + areas[ADDED])
-        found[side] = iou
+        ious[side] = iou
         for j in range(n):
             at = j if side == 0 else n - 1 - j
             for axis in range(2):
@@ -132,7 +133,7 @@ def least_changes(
                 gradient[side, side, at, axis] = -change / (area + areas[ADDED])
                 change = by_target[LOST, j, axis] + iou * by_target[ADDED, j, axis]
                 gradient[side, 1 - side, at, axis] = -change / (area + areas[ADDED])
-    return found, gradient
+    return ious, gradient
 
 
 @kernel
@@ -154,7 +155,7 @@ def _areas(
     for line in range(lines):
         start, m = starts[line], starts[line + 1] - starts[line]
         y = low + (line + 0.5) * step
-        # Insertion sort. Crossings come in much the same order as on the line before: that is where it begins.
+        # Insertion sort from the order on the line before, which is nearly that on this line.
         if m != before:
             for k in range(m):
                 order[k] = k
@@ -219,7 +220,7 @@ def _areas(
 def _spread(
     source: FloatArray, target: FloatArray, push: FloatArray, i: int, by_source: FloatArray, by_target: FloatArray
 ) -> None:
-    """From what moving and turning arc i changes to what moving the corners that place it changes.
+    """Turn the derivatives by shift and turn of arc i into derivatives by the four corners that place the arc.
 
     A point X goes to target[i] + R(φ) (X − source[i]), and φ is the angle between the two edges.
     """
@@ -243,7 +244,10 @@ def _spread(
 def _crossings(
     arcs: FloatArray, offsets: IntArray, n: int, lines: int
 ) -> tuple[IntArray, FloatArray, IntArray, int, float, float]:
-    """Where the regions' edges cross scanlines, from where on for each line: x and edge; most on a line, y₀, step.
+    """Find where the regions' edges cross scanlines.
+
+    Returns for each line the index of its first crossing, the x and the edge of all crossings, the greatest number of
+    crossings on a line, y₀ and step.
 
     Line k lies at y₀ + (k + ½) step; edge e goes from point e to the next, the last of an arc back to its first. An
     edge crosses lines from its lower end (included) to its upper (excluded).
@@ -262,7 +266,8 @@ def _crossings(
             after = k + 1 if k + 1 < offsets[i + 1] else offsets[i]
             starts[min(above[k], above[after]) + 1] += 1
             starts[max(above[k], above[after]) + 1] -= 1
-    # From how many edges begin less how many end at each line to how many cross it, to where its crossings are kept.
+    # The number of edges that begin less those that end at a line gives the number that cross it, and these sum to
+    # the index of the first crossing of each line.
     most, crossing = 0, 0
     for line in range(lines):
         crossing += starts[line + 1]

@@ -1,4 +1,4 @@
-"""Distances between rigid bodies of a hinged chain, and stretches of its motion proven free (theory §9). Ours.
+"""Distances between rigid bodies of a hinged chain, and proofs that a motion is free of collision (theory §9). Ours.
 
 A body is a set of simple rings without holes, in the frame of its piece: ``points`` (p, 2) of all rings of all bodies,
 ring r being ``points[rings[r]:rings[r + 1]]``, body k the rings ``bodies[k]`` to ``bodies[k + 1]``.
@@ -11,11 +11,11 @@ import numpy as np
 from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
 
-PROBES = (0.5, 0.25, 0.75, 0.125, 0.875, 0.375, 0.625)
-"""Shares of a motion at which most of what is not free shows."""
+PROBED_SHARES = (0.5, 0.25, 0.75, 0.125, 0.875, 0.375, 0.625)
+"""Shares of a motion that are tried before the proof. Ours: most motions that are not free collide at one of them."""
 
-_BACK = 1e-9
-"""A motion whose very end is not free is free short of it."""
+_SHORT_OF_END = 1e-9
+"""If only the end of a motion is not free, the motion is free up to this share before its end. Ours."""
 
 
 @inner
@@ -82,7 +82,7 @@ def _near(
 
 @inner
 def _box(points: FloatArray, start: int, stop: int, box: FloatArray) -> None:
-    """Set ``box`` to x0, y0, x1, y1 of a stretch of points."""
+    """Set ``box`` to the least x and y and the greatest x and y of ``points[start:stop]``."""
     box[0], box[1], box[2], box[3] = np.inf, np.inf, -np.inf, -np.inf
     for i in range(start, stop):
         box[0], box[1] = min(box[0], points[i, 0]), min(box[1], points[i, 1])
@@ -104,23 +104,23 @@ def separation(
     bodies: IntArray,
     a: int,
     b: int,
-    place: FloatArray,
+    placement: FloatArray,
     cap: float,
 ) -> float:
     """Distance of body b from body a, 0 if they overlap or touch; at least ``cap`` if they are farther apart.
 
-    ``place`` (3,) is where b's frame lies in a's: x, y, heading in radians. Boxes first; then edges near the other's
-    box; a body within the other counts as overlap. An empty body is infinitely far.
+    ``placement`` (3,) is where b's frame lies in a's: x, y, heading in radians. A body inside the other overlaps it. An
+    empty body is infinitely far.
     """
     a0, a1, b0, b1 = bodies[a], bodies[a + 1], bodies[b], bodies[b + 1]
     if a0 == a1 or b0 == b1:
         return np.inf
-    c, s = np.cos(place[2]), np.sin(place[2])
+    c, s = np.cos(placement[2]), np.sin(placement[2])
     start = rings[b0]
     placed = np.empty((rings[b1] - start, 2))
     for i in range(len(placed)):
         px, py = points[start + i, 0], points[start + i, 1]
-        placed[i, 0], placed[i, 1] = c * px - s * py + place[0], s * px + c * py + place[1]
+        placed[i, 0], placed[i, 1] = c * px - s * py + placement[0], s * px + c * py + placement[1]
     offsets = rings[b0 : b1 + 1] - start
     box_a, box_b = np.empty(4), np.empty(4)
     _box(points, rings[a0], rings[a1], box_a)
@@ -134,15 +134,15 @@ def separation(
     count_b = _near(placed, offsets, 0, len(offsets) - 1, box_a, cap, near_b)
     best = cap * cap
     for i in range(count_a):
-        one = near_a[i]
-        left, right = min(one[0], one[2]), max(one[0], one[2])
-        low, high = min(one[1], one[3]), max(one[1], one[3])
+        edge_a = near_a[i]
+        left, right = min(edge_a[0], edge_a[2]), max(edge_a[0], edge_a[2])
+        low, high = min(edge_a[1], edge_a[3]), max(edge_a[1], edge_a[3])
         for k in range(count_b):
-            two = near_b[k]
-            dx = max(0.0, max(left - max(two[0], two[2]), min(two[0], two[2]) - right))
-            dy = max(0.0, max(low - max(two[1], two[3]), min(two[1], two[3]) - high))
+            edge_b = near_b[k]
+            dx = max(0.0, max(left - max(edge_b[0], edge_b[2]), min(edge_b[0], edge_b[2]) - right))
+            dy = max(0.0, max(low - max(edge_b[1], edge_b[3]), min(edge_b[1], edge_b[3]) - high))
             if dx * dx + dy * dy < best:
-                best = min(best, _segment_gap(one, two))
+                best = min(best, _segment_gap(edge_a, edge_b))
         if best == 0.0:
             return 0.0
     if apart == 0.0:
@@ -168,25 +168,29 @@ def clear_share(
     cap: float,
     whole: bool,
 ) -> tuple[float, int]:
-    """How far a chain can turn from one pose to another, every hinge evenly: the share, 1 = all, and poses of pairs.
+    """How far a chain can turn from one pose towards another without a collision, all hinges evenly.
+
+    Returns the share of the motion that is free, in [0, 1], and how many poses of pairs of pieces were checked.
 
     The chain has m pieces of ``lengths`` (m,), hinged end to start; ``before`` and ``after`` (m − 1,) are its turns,
     radians. Piece k has three bodies: 3k as it is, 3k + 1 relieved at its start and 3k + 2 at its end; of two pieces
     that share a hinge the relieved ones count. ``reaches`` (m, 2) is the greatest distance of a body's point from the
     piece's start and end.
 
-    Conservative advancement: two bodies at distance d cannot meet before one has moved by d against the other, and the
-    speed at which they near each other is at most Σ |turn| · (distance of that hinge from the farther of the nearest
-    points); so every stretch is proven free, not sampled. Ends where two bodies are nearer than ``floor``.
+    Conservative advancement: two bodies at distance d cannot meet before one has moved by d against the other, and they
+    approach each other at a speed of at most Σ |turn| · (distance from that hinge to the farthest point of the body
+    beyond it). So the motion is proven free, not sampled. It ends where two bodies are nearer than ``floor``; distances
+    beyond ``cap`` are not computed exactly. If ``whole``, only a share of 1 matters, and `PROBED_SHARES` are tried
+    first.
     """
     m = len(lengths)
     pairs = m * (m - 1) // 2
-    one, two = np.empty(pairs, dtype=np.int64), np.empty(pairs, dtype=np.int64)
+    first, second = np.empty(pairs, dtype=np.int64), np.empty(pairs, dtype=np.int64)
     rate, until = np.zeros(pairs), np.zeros(pairs)
     p = 0
     for k in range(m):
         for j in range(k + 1, m):
-            one[p], two[p] = k, j
+            first[p], second[p] = k, j
             from_k = reaches[k, 1]
             for h in range(k + 1, j + 1):  # hinge h joins piece h − 1 to piece h
                 from_j = reaches[j, 0]
@@ -196,13 +200,13 @@ def clear_share(
                 from_k += lengths[h]
             p += 1
     checks = 0
-    place = np.empty(3)
+    placement = np.empty(3)
     if whole:
-        for probe in PROBES:
+        for probe in PROBED_SHARES:
             for p in range(pairs):
-                _place(lengths, before, after, probe, one[p], two[p], place)
+                _locate(lengths, before, after, probe, first[p], second[p], placement)
                 checks += 1
-                if _pair_gap(points, rings, bodies, one[p], two[p], place, floor) < floor:
+                if _pair_gap(points, rings, bodies, first[p], second[p], placement, floor) < floor:
                     return 0.0, checks
     while True:
         p = 0
@@ -211,15 +215,15 @@ def clear_share(
                 p = q
         share = until[p]
         if share >= 1.0:
-            # The end is looked at too: a stretch is proven up to, and not at, its end.
+            # The end is checked too: the proof covers the motion up to its end, but not the end itself.
             for q in range(pairs):
-                _place(lengths, before, after, 1.0, one[q], two[q], place)
+                _locate(lengths, before, after, 1.0, first[q], second[q], placement)
                 checks += 1
-                if _pair_gap(points, rings, bodies, one[q], two[q], place, floor) < floor:
-                    return 1.0 - _BACK, checks
+                if _pair_gap(points, rings, bodies, first[q], second[q], placement, floor) < floor:
+                    return 1.0 - _SHORT_OF_END, checks
             return 1.0, checks
-        _place(lengths, before, after, share, one[p], two[p], place)
-        gap = _pair_gap(points, rings, bodies, one[p], two[p], place, cap)
+        _locate(lengths, before, after, share, first[p], second[p], placement)
+        gap = _pair_gap(points, rings, bodies, first[p], second[p], placement, cap)
         checks += 1
         if gap < floor:
             return share, checks
@@ -227,8 +231,8 @@ def clear_share(
 
 
 @inner
-def _place(
-    lengths: FloatArray, before: FloatArray, after: FloatArray, share: float, k: int, j: int, place: FloatArray
+def _locate(
+    lengths: FloatArray, before: FloatArray, after: FloatArray, share: float, k: int, j: int, placement: FloatArray
 ) -> None:
     """Where piece j's frame lies in piece k's, k < j, when all hinges have turned by ``share``."""
     x, y, heading = lengths[k], 0.0, 0.0
@@ -237,17 +241,17 @@ def _place(
         if h < j:
             x += lengths[h] * np.cos(heading)
             y += lengths[h] * np.sin(heading)
-    place[0], place[1], place[2] = x, y, heading
+    placement[0], placement[1], placement[2] = x, y, heading
 
 
 @kernel
 def _pair_gap(
-    points: FloatArray, rings: IntArray, bodies: IntArray, k: int, j: int, place: FloatArray, cap: float
+    points: FloatArray, rings: IntArray, bodies: IntArray, k: int, j: int, placement: FloatArray, cap: float
 ) -> float:
     """Distance of two pieces of a chain, relieved if they share a hinge."""
     hinged = j == k + 1
     return float(
-        separation(points, rings, bodies, 3 * k + (2 if hinged else 0), 3 * j + (1 if hinged else 0), place, cap)
+        separation(points, rings, bodies, 3 * k + (2 if hinged else 0), 3 * j + (1 if hinged else 0), placement, cap)
     )
 
 

@@ -7,12 +7,16 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.types import FloatArray, IntArray
 
+_LOCAL_SAMPLES = 9
+"""Samples on either side of a vertex that give its local outside angle. Ours."""
+
 
 @kernel
 def walk(points: FloatArray, lengths: FloatArray, k: int, step: float, back: bool, out: FloatArray) -> None:
     """Fill ``out`` (c, 2) with the boundary at arc lengths 0, step, 2·step, … from vertex k, relative to it.
 
-    Forwards, or backwards if ``back``. ``lengths`` (m + 1,) is the arc length at each vertex; one round at most.
+    Forwards, or backwards if ``back``. ``lengths`` (m + 1,) is the arc length at each vertex; the curve is at most once
+    around.
     """
     m = points.shape[0]
     i = k
@@ -75,20 +79,21 @@ def longest_congruent(
     limit: float,
     shortest: float,
 ) -> FloatArray:
-    """(k, 3) of the vertices ``indices``: length ℓ of the longest congruent stretch, its distance, its turn.
+    """(k, 3) of the vertices ``indices``: length ℓ of the longest congruent sides, their Fréchet distance, their turn.
 
     ``breaks`` (b,) are the arc lengths of the simplified boundary's break points. The candidates ℓ are the distances
-    from the vertex to each of them, either way, up to half the boundary; a stretch passes if the discrete Fréchet
-    distance of its two sides, sampled every ``step`` and the left one turned onto the right, is at most ``limit``.
-    A row without a passing ℓ > ``shortest`` has length 0, distance inf and the turn of the shortest candidate.
+    from the vertex to each of them, either way, up to half the boundary. A length passes if the discrete Fréchet
+    distance of the two sides, sampled every ``step``, with the left one turned onto the right one, is at most
+    ``limit``. A row without a passing ℓ > ``shortest`` has length 0, distance inf and the turn of the shortest
+    candidate.
     """
     m = points.shape[0]
     perimeter = lengths[m]
-    room = int(0.5 * perimeter / step) + 2
-    left, right, turned = np.empty((room, 2)), np.empty((room, 2)), np.empty((room, 2))
-    row = np.empty(room)
+    capacity = int(0.5 * perimeter / step) + 2
+    left, right, turned = np.empty((capacity, 2)), np.empty((capacity, 2)), np.empty((capacity, 2))
+    row = np.empty(capacity)
     candidates = np.empty(2 * len(breaks))
-    found = np.empty((len(indices), 3))
+    congruent = np.empty((len(indices), 3))
     for r in range(len(indices)):
         k = indices[r]
         walk(points, lengths, k, step, True, left)
@@ -102,15 +107,15 @@ def longest_congruent(
                     candidates[total] = length
                     total += 1
         candidates[:total].sort()
-        found[r, 0], found[r, 1], found[r, 2] = 0.0, np.inf, 0.0
+        congruent[r, 0], congruent[r, 1], congruent[r, 2] = 0.0, np.inf, 0.0
         for c in range(total - 1, -1, -1):
-            count = min(room, max(2, int(candidates[c] / step + 0.5) + 1))
+            count = min(capacity, max(2, int(candidates[c] / step + 0.5) + 1))
             turn = best_turn(left, right, count)
             cosine, sine = np.cos(turn), np.sin(turn)
             end = count - 1
             ex = cosine * left[end, 0] - sine * left[end, 1] - right[end, 0]
             ey = sine * left[end, 0] + cosine * left[end, 1] - right[end, 1]
-            found[r, 2] = turn
+            congruent[r, 2] = turn
             if ex * ex + ey * ey > limit * limit:
                 continue  # the Fréchet distance is at least that of the end points
             for i in range(count):
@@ -118,22 +123,23 @@ def longest_congruent(
                 turned[i, 1] = sine * left[i, 0] + cosine * left[i, 1]
             distance = frechet(turned, right, count, row)
             if distance <= limit:
-                found[r, 0], found[r, 1] = candidates[c], distance
+                congruent[r, 0], congruent[r, 1] = candidates[c], distance
                 break
-    return found
+    return congruent
 
 
 @kernel
 def local_turns(points: FloatArray, lengths: FloatArray, indices: IntArray, reach: float) -> FloatArray:
-    """(k,) outside angles in [0, 2π) at vertices: the turn of the ``reach`` behind onto the ``reach`` ahead."""
-    count = 9
+    """(k,) outside angles in [0, 2π) at vertices: the turn that brings the boundary up to ``reach`` behind the vertex
+    onto that ahead of it."""
+    count = _LOCAL_SAMPLES
     left, right = np.empty((count, 2)), np.empty((count, 2))
-    found = np.empty(len(indices))
+    turns = np.empty(len(indices))
     for r in range(len(indices)):
         walk(points, lengths, indices[r], reach / (count - 1), True, left)
         walk(points, lengths, indices[r], reach / (count - 1), False, right)
-        found[r] = best_turn(left, right, count)
-    return found
+        turns[r] = best_turn(left, right, count)
+    return turns
 
 
 def warm() -> None:

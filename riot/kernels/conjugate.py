@@ -1,4 +1,4 @@
-"""The small loops of making two trunks conjugate (theory §7, ours)."""
+"""Making two trunks conjugate: edge differences, projection and direction of ascent (theory §7; ours)."""
 
 from __future__ import annotations
 
@@ -9,29 +9,33 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.types import FloatArray
 
+_LEAST_PIVOT = 1e-30
+"""A smaller pivot of Cholesky's factors makes a matrix singular. Ours: edges are of order 1, and their squares are far
+above this unless an edge has no length."""
+
 
 @kernel
 def edge_differences(trunks: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(n,) |e_j| − |e'_j| of two corresponding n-gons, (2, n, 2), and its (n, 4n) Jacobian."""
     n = trunks.shape[1]
-    found, jacobian = np.zeros(n), np.zeros((n, 4 * n))
+    differences, jacobian = np.zeros(n), np.zeros((n, 4 * n))
     for side in range(2):
         sign = 1.0 - 2.0 * side
         for j in range(n):
             after = (j + 1) % n
             x, y = trunks[side, after, 0] - trunks[side, j, 0], trunks[side, after, 1] - trunks[side, j, 1]
             length = math.hypot(x, y)
-            found[j] += sign * length
+            differences[j] += sign * length
             row, here, there = jacobian[j], 2 * (side * n + j), 2 * (side * n + after)
             row[there], row[there + 1] = sign * (x / length), sign * (y / length)
             row[here], row[here + 1] = -row[there], -row[there + 1]
-    return found, jacobian
+    return differences, jacobian
 
 
 @kernel
 def conjugated(trunks: FloatArray, tolerance: float, steps: int) -> tuple[FloatArray, float]:
-    """The pair of n-gons (2, n, 2) with equal corresponding edges nearest to ``trunks``, and the greatest difference
-    of edges that is left.
+    """The nearest pair of n-gons (2, n, 2) to ``trunks`` with equal corresponding edges, and the greatest difference
+    of edges that remains.
 
     Gauss–Newton: every step goes to the point nearest to the start on the linearised constraints.
     """
@@ -86,22 +90,22 @@ def tangential(trunks: FloatArray, gradient: FloatArray) -> FloatArray:
 
 @kernel
 def quasi_newton(moves: FloatArray, changes: FloatArray, count: int, gradient: FloatArray) -> FloatArray:
-    """The direction of ascent by the last ``count`` moves (h, N) and the changes (h, N) of the gradient with them.
+    """The direction of ascent by the last ``count`` moves (h, N) and the changes (h, N) of the gradient in these moves.
 
     Two-loop recursion of limited-memory BFGS (Nocedal 1980); the rows are filled in turn, the newest is row
     (count − 1) mod h. Every stored pair has move · change < 0, as near a maximum.
     """
     held, size = min(count, len(moves)), len(gradient)
-    found, weights = gradient.copy(), np.empty(max(held, 1))
+    direction, weights = gradient.copy(), np.empty(max(held, 1))
     for age in range(held):
         row = (count - 1 - age) % len(moves)
         inner, along = 0.0, 0.0
         for k in range(size):
             inner -= moves[row, k] * changes[row, k]
-            along += moves[row, k] * found[k]
+            along += moves[row, k] * direction[k]
         weights[age] = along / inner
         for k in range(size):
-            found[k] += weights[age] * changes[row, k]
+            direction[k] += weights[age] * changes[row, k]
     if held > 0:
         row = (count - 1) % len(moves)
         inner, square = 0.0, 0.0
@@ -109,21 +113,22 @@ def quasi_newton(moves: FloatArray, changes: FloatArray, count: int, gradient: F
             inner -= moves[row, k] * changes[row, k]
             square += changes[row, k] * changes[row, k]
         for k in range(size):
-            found[k] *= inner / square
+            direction[k] *= inner / square
     for age in range(held - 1, -1, -1):
         row = (count - 1 - age) % len(moves)
         inner, along = 0.0, 0.0
         for k in range(size):
             inner -= moves[row, k] * changes[row, k]
-            along -= changes[row, k] * found[k]
+            along -= changes[row, k] * direction[k]
         for k in range(size):
-            found[k] += (weights[age] - along / inner) * moves[row, k]
-    return found
+            direction[k] += (weights[age] - along / inner) * moves[row, k]
+    return direction
 
 
 @kernel
 def _solve(matrix: FloatArray, right: FloatArray) -> bool:
-    """Put the solution of a positive definite system, (n, n), in place of ``right``, (n,), by Cholesky's factors."""
+    """Solve a positive definite system, (n, n), by Cholesky's factors; the solution replaces ``right``, (n,). False if
+    the matrix is singular."""
     n = len(right)
     for i in range(n):
         for j in range(i + 1):
@@ -131,7 +136,7 @@ def _solve(matrix: FloatArray, right: FloatArray) -> bool:
             for k in range(j):
                 left -= matrix[i, k] * matrix[j, k]
             if i == j:
-                if not left > 1e-30:
+                if not left > _LEAST_PIVOT:
                     return False
                 matrix[i, i] = math.sqrt(left)
             else:

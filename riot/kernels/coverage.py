@@ -1,11 +1,11 @@
-"""How badly swung arcs tile a trunk: the area term of CRS by scanlines (paper eq. 5; method ours, theory §6).
+"""The area term of CRS by scanlines: how much swung arcs fail to tile a trunk (paper eq. 5; method ours, theory §6).
 
 Each arc of P is carried onto the corresponding edge of Q's trunk T' by the similarity that maps its end points, and
 closed by that edge to a region with winding number w_i(x). With W = Σ w_i::
 
     d_A = ∫_{T'} |W − 1|  +  ∫_{outside T'} Σ|w_i|
 
-that is gaps + overlaps + outside. Where a trunk edge leaves P, w = −1 on the far side: what P lacks there counts once.
+which is gaps + overlaps + outside. Where a trunk edge leaves P, w = −1 beyond it: what P lacks there counts once.
 """
 
 from __future__ import annotations
@@ -14,6 +14,10 @@ import numpy as np
 
 from riot.kernels.options import kernel
 from riot.types import FloatArray, IntArray
+
+_LIMIT_SLACK = 1e-9
+"""Share by which an area term may exceed the limit before its sweep ends early. Ours: far above the rounding of
+sums."""
 
 
 @kernel
@@ -54,16 +58,18 @@ def swung_arcs(points: FloatArray, trunk: IntArray, target: FloatArray, out: Flo
 
 @kernel
 def uncovered(target: FloatArray, arcs: FloatArray, offsets: IntArray, lines: int) -> FloatArray:
-    """(3,) areas of gaps, overlaps and outside of swung arcs in the convex polygon ``target`` (n, 2), either way
-    round."""
+    """(3,) areas of gaps, overlaps and outside of swung arcs in the convex polygon ``target`` (n, 2) of either
+    orientation."""
     gaps, overlaps, outside = _uncovered(target.shape[0], arcs, offsets, lines, np.inf)
     return np.array([gaps, overlaps, outside])
 
 
 @kernel
 def _uncovered(n: int, arcs: FloatArray, offsets: IntArray, lines: int, limit: float) -> tuple[float, float, float]:
-    """Areas of gaps, overlaps and outside in a trunk of n corners; parts of them, greater than ``limit`` together, if
-    that comes out before the last scanline."""
+    """Areas of gaps, overlaps and outside in a trunk of n corners.
+
+    The sum stops at the first scanline after which it is greater than ``limit``.
+    """
     total = offsets[n]
     low, high = np.inf, -np.inf
     for k in range(total):
@@ -79,7 +85,8 @@ def _uncovered(n: int, arcs: FloatArray, offsets: IntArray, lines: int, limit: f
             after = k + 1 if k + 1 < offsets[i + 1] else offsets[i]
             starts[min(above[k], above[after]) + 1] += 1
             starts[max(above[k], above[after]) + 1] -= 1
-    # From how many edges begin less how many end at each line to how many cross it, to where its crossings are kept.
+    # The number of edges that begin less those that end at a line gives the number that cross it, and these sum to
+    # the index of the first crossing of each line.
     most, crossing = 0, 0
     for line in range(lines):
         crossing += starts[line + 1]
@@ -131,7 +138,7 @@ def _sweep(
     before = 0
     for line in range(len(left)):
         start, m = starts[line], starts[line + 1] - starts[line]
-        # Insertion sort. Crossings come in much the same order as on the line before: that is where it begins.
+        # Insertion sort from the order on the line before, which is nearly that on this line.
         if m != before:
             for k in range(m):
                 order[k] = k
@@ -173,7 +180,7 @@ def _one_way(
     arcs: FloatArray,
     offsets: IntArray,
 ) -> float:
-    """d_A one way, exact unless it is greater than ``limit``; ``arcs`` and ``offsets`` are room for `swung_arcs`."""
+    """d_A one way, exact unless it is greater than ``limit``; ``arcs`` and ``offsets`` are scratch for `swung_arcs`."""
     swung_arcs(points, trunk, target, arcs, offsets)
     gaps, overlaps, outside = _uncovered(len(trunk), arcs, offsets, lines, limit)
     return gaps + overlaps + outside
@@ -192,15 +199,15 @@ def area_terms(
     ``trunks_a`` are counter-clockwise vertices of P, ``trunks_b`` the corresponding ones of Q, clockwise.
     """
     k, n = trunks_a.shape
-    room = max(points_a.shape[0], points_b.shape[0]) + n
-    arcs, offsets = np.empty((room, 2)), np.empty(n + 1, dtype=np.int64)
-    found = np.empty((k, 2))
+    capacity = max(points_a.shape[0], points_b.shape[0]) + n
+    arcs, offsets = np.empty((capacity, 2)), np.empty(n + 1, dtype=np.int64)
+    terms = np.empty((k, 2))
     for row in range(k):
         a, b = trunks_a[row], trunks_b[row]
-        found[row, 0] = _one_way(points_a, a, points_b[b], lines, np.inf, arcs, offsets)
+        terms[row, 0] = _one_way(points_a, a, points_b[b], lines, np.inf, arcs, offsets)
         # Read backwards, Q's trunk is counter-clockwise, and P's corners in that order are clockwise.
-        found[row, 1] = _one_way(points_b, b[::-1].copy(), points_a[a[::-1].copy()], lines, np.inf, arcs, offsets)
-    return found
+        terms[row, 1] = _one_way(points_b, b[::-1].copy(), points_a[a[::-1].copy()], lines, np.inf, arcs, offsets)
+    return terms
 
 
 @kernel
@@ -210,7 +217,7 @@ def best_area_terms(
     trunks_a: tuple[IntArray, IntArray],
     trunks_b: tuple[IntArray, IntArray],
     order: IntArray,
-    found: FloatArray,
+    candidates: FloatArray,
     which: IntArray,
     sigma: float,
     lines: int,
@@ -218,20 +225,21 @@ def best_area_terms(
     kept: FloatArray,
     kept_which: IntArray,
 ) -> tuple[int, int]:
-    """Evaluate area terms of candidates, and keep those of least distance max(terms, d_A/σ_A), the least first.
+    """Evaluate area terms of candidates, and keep the candidates of least distance max(terms, d_A/σ_A), the least
+    first.
 
-    Trunks are (offsets, vertices). Candidates are taken in ``order``, by ascending bound, until one's bound is greater
-    than the last of all that can be kept; ``found`` and ``which`` are those of
-    `riot.kernels.candidates.nearest_candidates`. The first ``count`` of ``kept`` (r, 2), distance and d_A, and of
-    ``kept_which`` (r, 3) are there already. Among equals the first by (T, T', shift) is kept. Returns how many are kept
-    now, and how many area terms were begun.
+    Trunks are (offsets, vertices). Candidates are taken in ``order``, by ascending bound, until a bound is greater than
+    the last distance of a full list; ``candidates`` and ``which`` are those of
+    `riot.kernels.candidates.nearest_candidates`. ``kept`` (r, 2), distance and d_A, and ``kept_which`` (r, 3) begin
+    with ``count`` entries of earlier calls. Among equals the first by (T, T', shift) is kept. Returns the number of
+    entries now, and how many area terms were begun.
     """
-    room = max(points_a.shape[0], points_b.shape[0]) + points_a.shape[0]
-    arcs, offsets = np.empty((room, 2)), np.empty(points_a.shape[0] + 1, dtype=np.int64)
+    capacity = max(points_a.shape[0], points_b.shape[0]) + points_a.shape[0]
+    arcs, offsets = np.empty((capacity, 2)), np.empty(points_a.shape[0] + 1, dtype=np.int64)
     begun = 0
     for k in order:
         full = count == kept.shape[0]
-        if full and found[k, 0] > kept[count - 1, 0]:
+        if full and candidates[k, 0] > kept[count - 1, 0]:
             break
         begun += 1
         t, u, s = which[k]
@@ -240,8 +248,8 @@ def best_area_terms(
         a, b = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         for j in range(n):
             a[j], b[j] = trunks_a[1][x + j], trunks_b[1][y + (s - j if j <= s else s - j + n)]
-        # A little more than the limit, against rounding: what is given up is certainly too far.
-        limit = kept[count - 1, 0] * sigma * (1.0 + 1e-9) if full else np.inf
+        # The slack is for rounding: a term that stops early is certainly too great.
+        limit = kept[count - 1, 0] * sigma * (1.0 + _LIMIT_SLACK) if full else np.inf
         area = _one_way(points_a, a, points_b[b], lines, limit, arcs, offsets)
         if area > limit:
             continue
@@ -249,7 +257,7 @@ def best_area_terms(
         if back > limit:
             continue
         area = max(area, back)
-        distance = max(found[k, 1], area / sigma)
+        distance = max(candidates[k, 1], area / sigma)
         slot = count
         while slot > 0 and _before(distance, which[k], kept[slot - 1, 0], kept_which[slot - 1]):
             slot -= 1
@@ -282,6 +290,8 @@ def warm() -> None:
     arcs, offsets = np.empty((8, 2)), np.empty(5, dtype=np.int64)
     swung_arcs(square, trunk[0], square, arcs, offsets)
     uncovered(square, arcs, offsets, 8)
-    trunks, one = (np.array([0, 4], dtype=np.int64), trunk[0]), np.ones((1, 2))
+    trunks, values = (np.array([0, 4], dtype=np.int64), trunk[0]), np.ones((1, 2))
     which = np.zeros((1, 3), dtype=np.int64)
-    best_area_terms(square, square, trunks, trunks, np.zeros(1, dtype=np.int64), one, which, 0.3, 8, 0, one, which)
+    best_area_terms(
+        square, square, trunks, trunks, np.zeros(1, dtype=np.int64), values, which, 0.3, 8, 0, values, which
+    )

@@ -1,8 +1,8 @@
-"""The least-squares system of a dissection tree, and tests of what came of it (theory §8; methods ours).
+"""The least-squares system of a dissection tree, and checks of its solution (theory §8; methods ours).
 
-The unknowns of one tree are the samples inside its arcs, arc by arc, then its junctions. A row of the matrix reaches
-two samples back, a junction's to the first arc that ends in it: a skyline, factored here without a library so that
-results are the same to the last bit on every machine.
+The unknowns of one tree are the samples inside its arcs, arc by arc, then its junctions. The row of a sample
+reaches two samples back, that of a junction to the first arc that ends in it. Such a skyline matrix is factored here,
+without a library, so that results are the same to the last bit on every machine.
 """
 
 from __future__ import annotations
@@ -13,7 +13,11 @@ from riot.kernels.options import kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
 BENDABLE = 0.2
-"""Where a line turns by this, radians, it resists half as much: at corners displacements may bend, not between."""
+"""Turn of a line, radians, at which its resistance to bending is halved, so that displacements bend at corners.
+Ours."""
+
+_FOLDED = 1e-4
+"""Sine over cosine of the angle, about, below which two segments that run the same way lie on each other. Ours."""
 
 
 @kernel
@@ -29,39 +33,39 @@ def solved(
 ) -> FloatArray:
     """(k, 2) samples x that minimise Σ over arcs of ∫ b |d''|² + softness ∫ |d|², plus Σ weights |x − wanted|².
 
-    d = x − ``targets`` (k, 2) is the displacement along an arc; arc i has the samples ``offsets[i]`` to
-    ``offsets[i + 1]``; b is 1, less where ``targets`` turn. ``which`` (k,) is a sample's unknown, shared by the ends
-    that meet in a junction, or −1: then it is ``known`` (k, 2). ``softness`` (k,), 1 / length⁴, weighs positions;
-    ``wanted`` (k, 2) with ``weights`` (k,) draws single samples somewhere. Samples nearer to each other than ``least``
-    count as so far apart, or the system would be too stiff to solve.
+    d = x − ``targets`` (k, 2) is the displacement along an arc; arc i has the samples ``offsets[i]`` to ``offsets[i +
+    1]``; b is 1, and less where ``targets`` turn. ``which`` (k,) is a sample's unknown, shared by the ends that meet in
+    a junction, or −1: then it is ``known`` (k, 2). ``softness`` (k,), 1 / length⁴, weighs positions; ``weights`` (k,)
+    draw single samples to ``wanted`` (k, 2). Samples nearer to each other than ``least`` count as that far apart, since
+    the system would be too stiff otherwise.
     """
     count, size = len(targets), which.max() + 1
     first = np.arange(size)
     for i in range(len(offsets) - 1):
         for k in range(offsets[i], offsets[i + 1]):
             for other in range(max(k - 2, offsets[i]), k):
-                one, two = which[k], which[other]
-                if one >= 0 and two >= 0:
-                    first[max(one, two)] = min(first[max(one, two)], min(one, two))
+                unknown, earlier = which[k], which[other]
+                if unknown >= 0 and earlier >= 0:
+                    first[max(unknown, earlier)] = min(first[max(unknown, earlier)], min(unknown, earlier))
     starts = np.zeros(size + 1, dtype=np.int64)
     for row in range(size):
         starts[row + 1] = starts[row] + row - first[row] + 1
     matrix, right = np.zeros(starts[size]), np.zeros((size, 2))
-    one, three = np.array([1.0]), np.empty(3)
+    single, second = np.array([1.0]), np.empty(3)  # factors of a position, of a second difference
     for i in range(len(offsets) - 1):
         low, high = offsets[i], offsets[i + 1] - 1
         for k in range(low, high + 1):
             before = max(_distance(targets, k - 1, k), least) if k > low else 0.0
             after = max(_distance(targets, k, k + 1), least) if k < high else 0.0
             mean = 0.5 * (before + after)
-            _add(matrix, starts, right, which, known, targets, k, one, softness[k] * mean)
+            _add(matrix, starts, right, which, known, targets, k, single, softness[k] * mean)
             if weights[k] > 0.0:
-                _add(matrix, starts, right, which, known, wanted, k, one, weights[k])
+                _add(matrix, starts, right, which, known, wanted, k, single, weights[k])
             if low < k < high:
-                three[0], three[2] = 1.0 / before, 1.0 / after
-                three[1] = -three[0] - three[2]
+                second[0], second[2] = 1.0 / before, 1.0 / after
+                second[1] = -second[0] - second[2]
                 bent = _turn(targets, k) / BENDABLE
-                _add(matrix, starts, right, which, known, targets, k - 1, three, 1.0 / (mean * (1.0 + bent * bent)))
+                _add(matrix, starts, right, which, known, targets, k - 1, second, 1.0 / (mean * (1.0 + bent * bent)))
     _factor(matrix, starts, first)
     _substitute(matrix, starts, first, right)
     out = known.copy()
@@ -116,7 +120,7 @@ def _add(
 
 @kernel
 def _factor(matrix: FloatArray, starts: IntArray, first: IntArray) -> None:
-    """Cholesky in place: row r holds its columns ``first[r]`` to r."""
+    """Cholesky's factors in place: row r stores its columns ``first[r]`` to r."""
     for row in range(len(first)):
         base = starts[row] - first[row]
         for column in range(first[row], row + 1):
@@ -152,8 +156,8 @@ def _substitute(matrix: FloatArray, starts: IntArray, first: IntArray, right: Fl
 def collisions(points: FloatArray, offsets: IntArray, ends: IntArray, clearance: float) -> BoolArray:
     """(k,) which samples of polylines begin or end a segment that comes within ``clearance`` of another.
 
-    Polyline i is samples ``offsets[i]`` to ``offsets[i + 1]`` with the nodes ``ends[i]`` at its ends. Segments that
-    share a sample or a node must only not fold back on each other; repeated ones do.
+    Polyline i is samples ``offsets[i]`` to ``offsets[i + 1]`` with the nodes ``ends[i]`` at its ends. Of segments
+    that share a sample or a node only those that fold back on each other collide; so do equal ones.
     """
     count = len(points)
     owner = np.empty(count, dtype=np.int64)
@@ -169,54 +173,59 @@ def collisions(points: FloatArray, offsets: IntArray, ends: IntArray, clearance:
                 boxes[k, axis] = min(points[k, axis], points[k + 1, axis]) - clearance
                 boxes[k, 2 + axis] = max(points[k, axis], points[k + 1, axis])
     order = segments[:size][np.argsort(boxes[segments[:size], 0], kind="mergesort")]
-    found = np.zeros(count, dtype=np.bool_)
+    colliding = np.zeros(count, dtype=np.bool_)
     for p in range(size):
-        one = order[p]
+        segment = order[p]
         for q in range(p + 1, size):
-            two = order[q]
-            if boxes[two, 0] > boxes[one, 2]:
+            other = order[q]
+            if boxes[other, 0] > boxes[segment, 2]:
                 break
-            if boxes[two, 1] > boxes[one, 3] or boxes[one, 1] > boxes[two, 3]:
+            if boxes[other, 1] > boxes[segment, 3] or boxes[segment, 1] > boxes[other, 3]:
                 continue
-            if _collide(points, offsets, ends, owner, min(one, two), max(one, two), clearance):
-                found[one] = found[one + 1] = found[two] = found[two + 1] = True
-    return found
+            if _collide(points, offsets, ends, owner, min(segment, other), max(segment, other), clearance):
+                colliding[segment] = colliding[segment + 1] = colliding[other] = colliding[other + 1] = True
+    return colliding
 
 
 @kernel
 def _collide(
-    points: FloatArray, offsets: IntArray, ends: IntArray, owner: IntArray, one: int, two: int, clearance: float
+    points: FloatArray, offsets: IntArray, ends: IntArray, owner: IntArray, segment: int, other: int, clearance: float
 ) -> bool:
-    first, second = owner[one], owner[two]
-    if first == second and two == one + 1:
-        return _folded(points, one + 1, one, two + 1)
+    first, second = owner[segment], owner[other]
+    if first == second and other == segment + 1:
+        return _folded(points, segment + 1, segment, other + 1)
     shared = False
     for s in range(2):
-        at_one = offsets[first] if s == 0 else offsets[first + 1] - 2
+        first_end = offsets[first] if s == 0 else offsets[first + 1] - 2
         for t in range(2):
-            at_two = offsets[second] if t == 0 else offsets[second + 1] - 2
-            if (first != second or s != t) and ends[first, s] == ends[second, t] and one == at_one and two == at_two:
+            second_end = offsets[second] if t == 0 else offsets[second + 1] - 2
+            if (
+                (first != second or s != t)
+                and ends[first, s] == ends[second, t]
+                and segment == first_end
+                and other == second_end
+            ):
                 shared = True
-                if _folded(points, one + s, one + 1 - s, two + 1 - t):
+                if _folded(points, segment + s, segment + 1 - s, other + 1 - t):
                     return True
     if shared:
         return False
-    return _near(points, one, two, clearance)
+    return _near(points, segment, other, clearance)
 
 
 @kernel
-def _folded(points: FloatArray, middle: int, one: int, two: int) -> bool:
-    """Whether the way from ``one`` over ``middle`` to ``two`` turns back on itself, or stands still."""
-    ax, ay = points[one, 0] - points[middle, 0], points[one, 1] - points[middle, 1]
-    bx, by = points[two, 0] - points[middle, 0], points[two, 1] - points[middle, 1]
+def _folded(points: FloatArray, middle: int, before: int, after: int) -> bool:
+    """Whether the way from ``before`` over ``middle`` to ``after`` turns back on itself, or does not move."""
+    ax, ay = points[before, 0] - points[middle, 0], points[before, 1] - points[middle, 1]
+    bx, by = points[after, 0] - points[middle, 0], points[after, 1] - points[middle, 1]
     dot, cross = ax * bx + ay * by, ax * by - ay * bx
-    return bool(dot >= 0.0 and abs(cross) <= 1e-4 * dot)
+    return bool(dot >= 0.0 and abs(cross) <= _FOLDED * dot)
 
 
 @kernel
-def _near(points: FloatArray, one: int, two: int, clearance: float) -> bool:
+def _near(points: FloatArray, segment: int, other: int, clearance: float) -> bool:
     """Whether two segments, each from its sample to the next, cross or come within ``clearance``."""
-    a, b, c, d = points[one], points[one + 1], points[two], points[two + 1]
+    a, b, c, d = points[segment], points[segment + 1], points[other], points[other + 1]
     if _side(a, b, c) * _side(a, b, d) < 0.0 and _side(c, d, a) * _side(c, d, b) < 0.0:
         return True
     square = min(min(_square(a, b, c), _square(a, b, d)), min(_square(c, d, a), _square(c, d, b)))

@@ -11,11 +11,11 @@ from riot.types import BoolArray, FloatArray, IntArray
 
 
 class Chains(NamedTuple):
-    """Stretches of boundary between junctions or corners of the trunk.
+    """Borders between two cells, from a junction or corner of the trunk to the next.
 
     ``points`` (p, 2) with ``offsets`` (c + 1,); ``ends`` (c, 2) the nodes at both ends: corner k of the n of the trunk
     is node k, triangle t is node n + t; ``sides`` (c, 2) the cells on either side, smaller first. ``whole`` is False
-    if a boundary breaks off.
+    if a border breaks off.
     """
 
     points: FloatArray
@@ -76,15 +76,14 @@ def chains(
     corner_share: float,
     coincident: float,
 ) -> Chains:
-    """Follow the boundaries through the triangles in which cells meet, ``mixed`` (m, 3).
+    """Follow the borders through the triangles in which cells meet, ``mixed`` (m, 3).
 
-    A boundary crosses a mesh edge where the signed distances to the two cells' pieces are equal, or runs into a corner
-    of the trunk; where three cells meet, it ends in the triangle's middle. Points closer than ``coincident`` to the
-    one before or to the last are left out. Every stretch comes once, from its smaller end: of a corner the mesh point,
-    of a triangle its points in order.
+    A border crosses a mesh edge where the signed distances to the two cells' pieces are equal, or runs into a corner of
+    the trunk; where three cells meet, it ends in the middle of the triangle. Points closer than ``coincident`` to the
+    one before or to the last are left out. Every border is listed once, from the end that comes first in `_order`.
     """
     m, n = len(mixed), len(corners)
-    across, at_corner, places = _crossings(points, mixed, labels, distances, corners, corner_share)
+    across, at_corner, positions = _crossings(points, mixed, labels, distances, corners, corner_share)
     # Half k of triangle t is its side from point k to the next; the boundary crosses it if its ends' cells differ.
     cut, three = np.zeros(3 * m, dtype=np.bool_), np.zeros(m, dtype=np.bool_)
     for t in range(m):
@@ -105,16 +104,16 @@ def chains(
             if node < 0 or (node < n and not three[t] and at_corner[_other(cut, half)] == corner):
                 continue
             if node >= n:
-                chain[0] = _middle(places, t)
-                size, last = _follow(half, n, across, at_corner, places, cut, three, chain)
+                chain[0] = _middle(positions, t)
+                size, last = _follow(half, n, across, at_corner, positions, cut, three, chain)
             else:
                 chain[0] = points[corners[node]]
                 size, last = 1, n + t
                 if not three[t]:
-                    size, last = _follow(_other(cut, half), n, across, at_corner, places, cut, three, chain)
+                    size, last = _follow(_other(cut, half), n, across, at_corner, positions, cut, three, chain)
             if last < 0:
                 return Chains(out[:0], offsets[:1], ends[:0], sides[:0], False)
-            chain[size] = points[corners[last]] if last < n else _middle(places, last - n)
+            chain[size] = points[corners[last]] if last < n else _middle(positions, last - n)
             if _order(node, mixed, corners) > _order(last, mixed, corners):
                 continue  # it comes from its other end
             offsets[count + 1] = _thinned(chain, size + 1, out, offsets[count], coincident)
@@ -131,16 +130,18 @@ def _follow(
     n: int,
     across: IntArray,
     at_corner: IntArray,
-    places: FloatArray,
+    positions: FloatArray,
     cut: BoolArray,
     three: BoolArray,
     chain: FloatArray,
 ) -> tuple[int, int]:
-    """Fill ``chain`` from its second point on with the crossings from ``half`` on; how many points, and the node at
-    the end, −1 if the boundary breaks off."""
+    """Fill ``chain`` from its second point on with the crossings from ``half`` on.
+
+    Returns the number of points, and the node at the end: −1 if the border breaks off.
+    """
     size = 1
     while at_corner[half] < 0:
-        chain[size] = places[half]
+        chain[size] = positions[half]
         size += 1
         after = across[half]
         if after < 0:
@@ -162,9 +163,9 @@ def _other(cut: BoolArray, half: int) -> int:
 
 
 @kernel
-def _middle(places: FloatArray, t: int) -> FloatArray:
+def _middle(positions: FloatArray, t: int) -> FloatArray:
     """(2,) mean of the three crossings of a triangle in which three cells meet."""
-    middle: FloatArray = ((places[3 * t] + places[3 * t + 1]) + places[3 * t + 2]) / 3.0
+    middle: FloatArray = ((positions[3 * t] + positions[3 * t + 1]) + positions[3 * t + 2]) / 3.0
     return middle
 
 
@@ -177,11 +178,12 @@ def _crossings(
     corners: IntArray,
     corner_share: float,
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """For every half: the half on the other side or −1, the corner it runs into or −1, and where the crossing is."""
+    """For every half: the half on the other side or −1, the corner it runs into or −1, and the position of the
+    crossing."""
     m, n = len(mixed), len(corners)
     rings = corners[1] - corners[0]
     across, at_corner = np.full(3 * m, -1), np.full(3 * m, -1)
-    places = np.empty((3 * m, 2))
+    positions = np.empty((3 * m, 2))
     keys = np.empty(3 * m, dtype=np.int64)
     for half in range(3 * m):
         t, k = half // 3, half % 3
@@ -201,7 +203,7 @@ def _crossings(
             if (a == corner and b == before) or (a == before and b == corner):
                 # The boundary between the cells of the two edges that meet at a corner ends in the corner.
                 at_corner[half] = corner
-                places[half] = points[corners[corner]]
+                positions[half] = points[corners[corner]]
                 continue
         # A point flooded or forced into a cell may lie nearer to the other piece: then the boundary keeps next to it.
         at_u = max(distances[u, b] - distances[u, a], 0.0)
@@ -209,18 +211,18 @@ def _crossings(
         share = 0.5 if at_u + at_v == 0.0 else at_u / (at_u + at_v)
         least = corner_share if corner >= 0 else 0.0
         share = min(max(share, least), 1.0 - least)
-        places[half] = points[u] + share * (points[v] - points[u])
+        positions[half] = points[u] + share * (points[v] - points[u])
     ranked = np.argsort(keys)
     for k in range(3 * m - 1):
-        one, two = ranked[k], ranked[k + 1]
-        if keys[one] == keys[two]:
-            across[one], across[two] = two, one
-    return across, at_corner, places
+        current, following = ranked[k], ranked[k + 1]
+        if keys[current] == keys[following]:
+            across[current], across[following] = following, current
+    return across, at_corner, positions
 
 
 @kernel
 def _order(node: int, mixed: IntArray, corners: IntArray) -> tuple[int, int, int]:
-    """What nodes are ordered by: a corner's mesh point, a triangle's points from the smallest on."""
+    """The key that orders nodes: the mesh point of a corner, the ascending mesh points of a triangle."""
     n = len(corners)
     if node < n:
         return corners[node], -1, -1

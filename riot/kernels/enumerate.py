@@ -7,20 +7,26 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
+_LEAST_TURN = 1e-9
+"""Cross product of two edges, unit-area frame, up to which they count as straight on. Ours: far above rounding."""
+
+_FIRST_CAPACITY = 64
+"""Polygons that the result has space for at first; it grows fourfold. Any number gives the same result."""
+
 
 @kernel
 def enumerate_convex(points: FloatArray, admissible: BoolArray, n: int, limit: int) -> tuple[IntArray, bool]:
     """The convex n-gons v_0 < v_1 < … over vertices ``points`` (c, 2), (count, n), and whether greater n are possible.
 
     ``admissible[i, j]``: the edge from i to j, with the boundary between them in cyclic order, is allowed. The
-    vertices are in boundary order, counter-clockwise. Polygons come in lexicographic order, at most ``limit``. There
-    are none of more than n vertices unless some path of n could still be made longer.
+    vertices are in boundary order, counter-clockwise. Polygons come in lexicographic order, at most ``limit``. The
+    second result is True if some path of n vertices exists: without one there is no polygon of more vertices.
     """
     c = points.shape[0]
     followers, firsts = _followers(admissible)
     chosen = np.empty(n, dtype=np.int64)
     cursor = np.empty(n, dtype=np.int64)
-    found = np.empty((64, n), dtype=np.int64)
+    polygons = np.empty((_FIRST_CAPACITY, n), dtype=np.int64)
     count = 0
     longer = False
     for first in range(c):
@@ -47,20 +53,21 @@ def enumerate_convex(points: FloatArray, admissible: BoolArray, n: int, limit: i
                 continue
             longer = True
             if admissible[nxt, first] and _left(points, nxt, first, chosen[1]):
-                if count == len(found):
+                if count == len(polygons):
                     larger = np.empty((4 * count, n), dtype=np.int64)
-                    larger[:count] = found
-                    found = larger
-                found[count] = chosen
+                    larger[:count] = polygons
+                    polygons = larger
+                polygons[count] = chosen
                 count += 1
                 if count >= limit:
-                    return found[:count], longer
-    return found[:count], longer
+                    return polygons[:count], longer
+    return polygons[:count], longer
 
 
 @kernel
 def _followers(admissible: BoolArray) -> tuple[IntArray, IntArray]:
-    """The later vertices to which an edge from each vertex is allowed, and where each vertex's start, (c + 1,)."""
+    """The later vertices to which an edge is allowed, vertex by vertex, and the first entry of each vertex, (c +
+    1,)."""
     c = admissible.shape[0]
     followers = np.empty(c * c, dtype=np.int64)
     firsts = np.zeros(c + 1, dtype=np.int64)
@@ -79,7 +86,7 @@ def _left(points: FloatArray, a: int, b: int, c: int) -> bool:
     """Whether c lies strictly to the left of the line from a to b."""
     ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
     vx, vy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
-    return bool(ux * vy - uy * vx > 1e-9)
+    return bool(ux * vy - uy * vx > _LEAST_TURN)
 
 
 def warm() -> None:

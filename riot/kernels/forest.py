@@ -1,6 +1,6 @@
-"""What QCRS's search reads: the trunks of some shapes laid out for it, and the units of its distances (ours).
+"""The data of the QCRS search: trunks of shapes, laid out for it, and the units of its distances (ours).
 
-Tuples of arrays, which a kernel takes as they are; `riot.scores.qcrs.lay_out_forest` fills them.
+These are named tuples of arrays, which kernels accept; `riot.scores.trunk_stack.lay_out_forest` makes them.
 """
 
 from __future__ import annotations
@@ -17,13 +17,15 @@ Int32Array = npt.NDArray[np.int32]
 
 
 class Forest(NamedTuple):
-    """The trunks of some shapes as the search wants them: of every shape one group for each n, of leaves of trunks.
+    """The trunks of some shapes: each shape has a group for each n, and each group consists of leaves of similar
+    trunks.
 
-    ``groups`` (shapes + 1,) where each shape's groups begin; of group g ``sizes`` (g,) is n, ``leaves`` (g + 1,) where
-    its leaves begin, ``tiles`` (g + 1,) where its boxes do. ``trunks`` (l, LEAF) numbers of the trunks among all;
-    ``features`` (l, FEATURES, LEAF) and ``boxes`` (tiles, 2 FEATURES, WIDE) as `riot.kernels.leaves` says; ``facing``
-    (…,) the corners of every slot backwards and twice, from ``begins`` (g + 1,) for each group.
-    ``starts``, ``offsets``, ``edges``, ``alphas``, ``betas``, ``areas`` as in `riot.scores.qcrs.TrunkStack`.
+    ``groups`` (shapes + 1,) where the groups of each shape begin; for each group ``sizes`` (g,) is n, ``leaves`` (g +
+    1,) where its leaves begin, ``tiles`` (g + 1,) where its boxes begin. ``trunks`` (l, QCRS_LEAF) numbers of the
+    trunks among all; ``features`` (l, FEATURES, QCRS_LEAF) and ``boxes`` (tiles, 2 FEATURES, TILE_LEAVES) as
+    `riot.kernels.leaves` says; ``facing`` (…,) the corners of every slot backwards and twice, from ``begins`` (g + 1,)
+    for each group. ``starts``, ``offsets``, ``edges``, ``alphas``, ``betas``, ``areas`` as in
+    `riot.scores.trunk_stack.TrunkStack`.
     """
 
     groups: IntArray
@@ -44,7 +46,7 @@ class Forest(NamedTuple):
 
 
 class Scale(NamedTuple):
-    """σ_E, σ_∠ and σ_A in absolute units, and by how much a bound in single precision may exceed what it bounds."""
+    """σ_E, σ_∠ and σ_A in absolute units, and the greatest rounding error of a bound in single precision."""
 
     edge: float
     angle: float

@@ -1,4 +1,4 @@
-"""Laplacian editing of polylines, and which arcs of a trunk meet: the hot loops of the paper's method (paper §4.3).
+"""Laplacian editing of polylines, and the contacts between arcs of a trunk (paper §4.3).
 
 Points are complex numbers x + iy. A similarity of the plane is then multiplication by a complex number and a shift, and
 the rotation-aware Laplacian coordinates of Sorkine et al. (2004) are linear over them.
@@ -15,7 +15,7 @@ from riot.types import BoolArray, FloatArray, IntArray
 ComplexArray = npt.NDArray[np.complex128]
 
 _NOTHING = 1e-13
-"""A pivot below this is that of a vertex which nothing determines: it stays. Rows are of order 1."""
+"""A smaller pivot belongs to a vertex that no row determines, and which stays. Ours: rows are of order 1."""
 
 
 @kernel
@@ -26,7 +26,7 @@ def factored(rest: ComplexArray, fixed: BoolArray) -> tuple[ComplexArray, Comple
     three vertices best, row k of the least squares is u' − c u = v̄ (v u' − u v') / (⅔|u|² + ½|v|²) / 2, for all k but
     the two ends.
     Returns the normal equations' bands and their factors L D Lᴴ, (m, 3) each: column 0 the diagonal, column j the entry
-    j places before it. In the factors, rows and columns of fixed vertices are those of the identity.
+    j columns before it. In the factors, rows and columns of fixed vertices are those of the identity.
     """
     m = len(rest)
     bands = np.zeros((m, 3), dtype=np.complex128)
@@ -74,10 +74,10 @@ def _square(z: complex) -> float:
 def solved(bands: ComplexArray, factors: ComplexArray, fixed: BoolArray, moves: ComplexArray) -> ComplexArray:
     """Displacements (m,) of all vertices, those of the ``fixed`` ones being ``moves`` (m,) to the last bit."""
     m = len(moves)
-    found = np.zeros(m, dtype=np.complex128)
+    displacements = np.zeros(m, dtype=np.complex128)
     for k in range(m):
         if fixed[k]:
-            found[k] = moves[k]
+            displacements[k] = moves[k]
             continue
         right = 0.0j
         for j in range(1, 3):
@@ -87,17 +87,17 @@ def solved(bands: ComplexArray, factors: ComplexArray, fixed: BoolArray, moves: 
                 right -= bands[k + j, j].conjugate() * moves[k + j]
         for j in range(1, 3):
             if k >= j and not fixed[k - j]:
-                right -= factors[k, j] * found[k - j]
-        found[k] = right
+                right -= factors[k, j] * displacements[k - j]
+        displacements[k] = right
     for k in range(m):
         if not fixed[k]:
-            found[k] = found[k] / factors[k, 0].real
+            displacements[k] = displacements[k] / factors[k, 0].real
     for k in range(m - 1, -1, -1):
         if not fixed[k]:
             for j in range(1, 3):
                 if k + j < m and not fixed[k + j]:
-                    found[k] -= factors[k + j, j].conjugate() * found[k + j]
-    return found
+                    displacements[k] -= factors[k + j, j].conjugate() * displacements[k + j]
+    return displacements
 
 
 @kernel
@@ -112,12 +112,12 @@ def meet(
     ahead: FloatArray,
     ahead_foot: ComplexArray,
 ) -> None:
-    """Renew what is known of every vertex and every other arc, after arc ``changed`` has changed; after all if −1.
+    """Update the distances between vertices and arcs after arc ``changed`` has changed, or all of them if it is −1.
 
-    ``arcs`` with ``offsets`` (n + 1,); the first s points are the vertices to tell of, vertex k being one of arc
-    ``owner[k]``, whose piece lies on its left. Filled, (s, n) each: the distance to the arc and its nearest point;
-    whether the vertex is inside the arc's piece; the same distance and point where only what lies ahead, on the right
-    of the vertex's own arc, counts (inf if nothing does).
+    ``arcs`` with ``offsets`` (n + 1,); vertex k of the first s points belongs to arc ``owner[k]``, whose piece lies on
+    its left. The arrays (s, n) are filled: ``distance`` to an arc and its nearest point ``foot``; whether the vertex is
+    ``inside`` the arc's piece; and ``ahead``, ``ahead_foot``, the distance and point of what lies on the right of the
+    vertex's own arc (inf if nothing does).
     """
     n = len(offsets) - 1
     for k in range(len(owner)):
@@ -126,12 +126,14 @@ def meet(
         end = k in (offsets[own], offsets[own + 1] - 1)
         for i in range(first, last):
             if i != own:
-                one = _one(arcs, offsets[i], offsets[i + 1], k, end)
-                distance[k, i], foot[k, i], inside[k, i], ahead[k, i], ahead_foot[k, i] = one
+                measured = _measure(arcs, offsets[i], offsets[i + 1], k, end)
+                distance[k, i], foot[k, i], inside[k, i], ahead[k, i], ahead_foot[k, i] = measured
 
 
 @inner
-def _one(arcs: ComplexArray, start: int, stop: int, k: int, end: bool) -> tuple[float, complex, bool, float, complex]:
+def _measure(
+    arcs: ComplexArray, start: int, stop: int, k: int, end: bool
+) -> tuple[float, complex, bool, float, complex]:
     """A vertex and an arc: distance, foot, inside, distance ahead, foot ahead; ends of arcs have nothing ahead."""
     x, y = arcs[k].real, arcs[k].imag
     ux, uy, wx, wy, left = 0.0, 0.0, 0.0, 0.0, True
@@ -149,7 +151,7 @@ def _one(arcs: ComplexArray, start: int, stop: int, k: int, end: bool) -> tuple[
         if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
             inside = not inside
         if s == start:
-            continue  # the trunk's edge, which is no part of the arc
+            continue  # the trunk's edge, which does not belong to the arc
         far = least if end else max(least, ahead)
         gap = max(max(min(ax, bx) - x, x - max(ax, bx)), 0.0)
         if gap * gap >= far:

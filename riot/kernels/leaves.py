@@ -1,9 +1,9 @@
-"""Leaves: a shape's trunks of one n, gathered sixteen similar ones at a time, as QCRS's search wants them (ours).
+"""Leaves of the QCRS search: the trunks of one n of a shape in groups of sixteen similar ones (ours).
 
-What is compared of a trunk first are `FEATURES` numbers that no shift changes: its area, and contrasts, sums with signs
-±1, of its edges, alphas and betas in ascending order. The L1 distance of two sorted vectors is at most that of the
-vectors in any order, and a contrast of their difference is at most that, so that every contrast bounds the distance of
-the trunks from below. So do the distances of boxes round the features of two leaves.
+Trunks are compared by `FEATURES` numbers first, which no shift changes: the area, and contrasts of the edges, alphas
+and betas in ascending order. A contrast is a sum with signs ±1. The L1 distance of two sorted vectors is at most that
+of the vectors in any order, and the difference of their contrasts is at most that distance. So every contrast bounds
+the distance of two trunks from below, and so do the distances between boxes around the features of two leaves.
 """
 
 from __future__ import annotations
@@ -16,25 +16,33 @@ import numpy.typing as npt
 from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
 
-LEAF = 16
-"""Trunks of a leaf: as many as two vector registers hold; fewer than 16 keep LLVM from vectorising."""
+QCRS_LEAF = 16
+"""Trunks of a leaf: two vector registers of single-precision numbers. With fewer than 16 LLVM does not vectorise.
+Ours."""
 
-WIDE = 32
-"""Leaves whose boxes lie side by side."""
+TILE_LEAVES = 32
+"""Leaves of a tile: their boxes are stored side by side, for vectorised loops. Ours."""
 
-EDGES = 3
-"""Contrasts of the edges: features 1 to 3."""
+EDGE_CONTRASTS = 3
+"""Contrasts of the edges: features 1 to 3. Ours."""
 
-ANGLES = 2
-"""Contrasts of the alphas, from feature 4, and of the betas, from feature 6; the alphas' sum is always (n − 2)π."""
+ANGLE_CONTRASTS = 2
+"""Contrasts of the alphas, from feature 4, and of the betas, from feature 6; the sum of the alphas is (n − 2)π, and
+none of them. Ours."""
 
-FEATURES = 1 + EDGES + 2 * ANGLES + 1
-"""The first is the area, the last |Σβ − (n − 2)π|, the least that Σ|β − α'| can be."""
+FEATURES = 1 + EDGE_CONTRASTS + 2 * ANGLE_CONTRASTS + 1
+"""Numbers of a trunk: the first is the area, the last |Σβ − (n − 2)π|, the least value of Σ|β − α'|."""
+
+CORNER_VALUES = 6
+"""Values of each corner that `facing` stores: edge, alpha and beta, twice."""
+
+_STACK = 64
+"""Ranges that wait to be halved: more than the binary logarithm of any number of trunks."""
 
 
 @inner
 def _contrasts(values: FloatArray, n: int) -> tuple[float, float, float]:
-    """Of ascending values: their sum; the upper half's less the lower half's; the middle's less that of both ends."""
+    """Three sums of ascending values: all; the upper half less the lower half; the middle half less both ends."""
     total, low, middle = 0.0, 0.0, 0.0
     for rank in range(n):
         total += values[rank]
@@ -82,10 +90,10 @@ def features(
 
 @kernel
 def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area: float) -> npt.NDArray[np.int32]:
-    """(l, LEAF) numbers of trunks of one shape, leaf by leaf, in order of n; what is missing repeats the last one.
+    """(l, QCRS_LEAF) numbers of trunks of one shape, leaf by leaf, in order of n; a short leaf repeats its last trunk.
 
     ``values`` (t, FEATURES), ``sizes`` (t,) ascending. The trunks of one n are halved across the feature of greatest
-    spread, in the given sigmas, until they fit: any order gives the same result of the search, a good one sooner.
+    spread, in units of the given sigmas, until they fit. The search finds the same with any order, but not as quickly.
     """
     count = len(sizes)
     order = np.arange(count)
@@ -95,11 +103,11 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
         stop = start
         while stop < count and sizes[stop] == sizes[start]:
             stop += 1
-        leaves += (stop - start + LEAF - 1) // LEAF
+        leaves += (stop - start + QCRS_LEAF - 1) // QCRS_LEAF
         start = stop
-    out = np.empty((leaves, LEAF), dtype=np.int32)
+    out = np.empty((leaves, QCRS_LEAF), dtype=np.int32)
     scale = np.empty(FEATURES)
-    lows, highs = np.empty(64, dtype=np.int64), np.empty(64, dtype=np.int64)
+    lows, highs = np.empty(_STACK, dtype=np.int64), np.empty(_STACK, dtype=np.int64)
     leaf = 0
     start = 0
     while start < count:
@@ -109,25 +117,25 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
             stop += 1
         scale[:] = 1.0 / (2.0 * n * angle)
         scale[0] = 2.0 / area
-        scale[1 : 1 + EDGES] = 1.0 / (n * edge)
+        scale[1 : 1 + EDGE_CONTRASTS] = 1.0 / (n * edge)
         lows[0], highs[0] = start, stop
         depth = 1
         while depth > 0:
             depth -= 1
             low, high = lows[depth], highs[depth]
-            if high - low <= LEAF:
-                for k in range(LEAF):
+            if high - low <= QCRS_LEAF:
+                for k in range(QCRS_LEAF):
                     out[leaf, k] = order[min(low + k, high - 1)]
                 leaf += 1
                 continue
-            part = order[low:high]
-            widest = _widest(values, part, scale)
-            keys = np.empty(len(part))
-            for k in range(len(part)):
-                keys[k] = values[part[k], widest]
-            order[low:high] = part[np.argsort(keys, kind="mergesort")]
-            middle = low + ((high - low + LEAF - 1) // LEAF) // 2 * LEAF
-            # The lower half is taken up next, so that leaves come in order.
+            members = order[low:high]
+            widest = _widest(values, members, scale)
+            keys = np.empty(len(members))
+            for k in range(len(members)):
+                keys[k] = values[members[k], widest]
+            order[low:high] = members[np.argsort(keys, kind="mergesort")]
+            middle = low + ((high - low + QCRS_LEAF - 1) // QCRS_LEAF) // 2 * QCRS_LEAF
+            # The lower half comes next, so that leaves are in order.
             lows[depth], highs[depth] = middle, high
             lows[depth + 1], highs[depth + 1] = low, middle
             depth += 2
@@ -136,12 +144,12 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
 
 
 @kernel
-def _widest(values: FloatArray, part: IntArray, scale: FloatArray) -> int:
+def _widest(values: FloatArray, members: IntArray, scale: FloatArray) -> int:
     widest, spread = 0, -1.0
     for f in range(values.shape[1]):
-        least, most = values[part[0], f], values[part[0], f]
-        for k in range(1, len(part)):
-            value = values[part[k], f]
+        least, most = values[members[0], f], values[members[0], f]
+        for k in range(1, len(members)):
+            value = values[members[k], f]
             least, most = min(least, value), max(most, value)
         if (most - least) * scale[f] > spread:
             widest, spread = f, (most - least) * scale[f]
@@ -157,17 +165,18 @@ def lay_out(
     out: npt.NDArray[np.float32],
     boxes: npt.NDArray[np.float32],
 ) -> None:
-    """Fill ``out`` (l, FEATURES, LEAF) and ``boxes`` (tiles, 2 FEATURES, WIDE): least and greatest of every feature.
+    """Fill ``out`` (l, FEATURES, QCRS_LEAF) and ``boxes`` (tiles, 2 FEATURES, TILE_LEAVES): least and greatest of every
+    feature.
 
     ``begins`` (g + 1,) the leaves at which groups begin, ``tiles`` (g + 1,) the tiles at which their boxes do.
     """
     for group in range(len(begins) - 1):
         for leaf in range(begins[group], begins[group + 1]):
-            place = leaf - begins[group]
-            tile, lane = tiles[group] + place // WIDE, place % WIDE
+            position = leaf - begins[group]
+            tile, lane = tiles[group] + position // TILE_LEAVES, position % TILE_LEAVES
             for f in range(FEATURES):
                 least, most = np.float32(np.inf), np.float32(-np.inf)
-                for k in range(LEAF):
+                for k in range(QCRS_LEAF):
                     value = np.float32(values[leaves[leaf, k], f])
                     out[leaf, f, k] = value
                     least, most = min(least, value), max(most, value)
@@ -184,14 +193,15 @@ def facing(
     betas: FloatArray,
     out: npt.NDArray[np.float32],
 ) -> None:
-    """Fill ``out``: of the trunk in slot k of the leaves, from ``begins[k]``, 2 n edges, alphas and betas, backwards.
+    """Fill ``out``: from ``begins[k]`` on, 2 n edges, 2 n alphas and 2 n betas of the trunk in slot k of the leaves.
 
-    Twice round, so that the n corners that face those of another trunk at any shift follow each other.
+    They run backwards and twice around, so that the n corners that face those of another trunk are contiguous at any
+    shift.
     """
     for leaf in range(leaves.shape[0]):
-        for k in range(LEAF):
+        for k in range(QCRS_LEAF):
             trunk = leaves[leaf, k]
-            start, n, x = offsets[trunk], offsets[trunk + 1] - offsets[trunk], begins[leaf * LEAF + k]
+            start, n, x = offsets[trunk], offsets[trunk + 1] - offsets[trunk], begins[leaf * QCRS_LEAF + k]
             for twice in range(2):
                 y = x + twice * n
                 for m in range(n):
@@ -203,10 +213,12 @@ def facing(
 
 def warm() -> None:
     """Compile on a triangle."""
-    offsets, three, one = np.array([0, 3], dtype=np.int64), np.ones(3), np.ones(1)
-    values = features(offsets, three, three, three, one)
+    offsets, corners, area = np.array([0, 3], dtype=np.int64), np.ones(3), np.ones(1)
+    values = features(offsets, corners, corners, corners, area)
     leaves = gather(values, np.array([3], dtype=np.int64), 1.0, 1.0, 1.0)
     begins = np.array([0, 1], dtype=np.int64)
-    out, boxes = np.zeros((1, FEATURES, LEAF), np.float32), np.zeros((1, 2 * FEATURES, WIDE), np.float32)
+    out, boxes = np.zeros((1, FEATURES, QCRS_LEAF), np.float32), np.zeros((1, 2 * FEATURES, TILE_LEAVES), np.float32)
     lay_out(leaves, begins, begins, values, out, boxes)
-    facing(leaves, 18 * np.arange(LEAF + 1), offsets, three, three, three, np.empty(18 * LEAF, np.float32))
+    facing(
+        leaves, 18 * np.arange(QCRS_LEAF + 1), offsets, corners, corners, corners, np.empty(18 * QCRS_LEAF, np.float32)
+    )

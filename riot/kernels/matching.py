@@ -1,7 +1,7 @@
 """Monotone correspondences of polylines, corners on corners (theory §8; methods ours).
 
-Two polylines that run the same way are sampled evenly and warped onto each other in time: of all monotone
-correspondences that with the least sum of squared distances and of differences of direction.
+Two polylines that run the same way are sampled evenly and matched by dynamic time warping: of all monotone
+correspondences the one with the least sum of squared distances and differences of direction.
 """
 
 from __future__ import annotations
@@ -11,17 +11,20 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.types import FloatArray
 
-SIGMA = 0.03
-"""Distance that counts as much as directions that differ by a right angle."""
+MATCH_SIGMA = 0.03
+"""Distance, unit-area frame, that costs as much as directions that differ by a right angle. Ours."""
 
-SKEW = 0.02
-"""What a step costs that moves on one polyline only, so that straight lines correspond evenly."""
+MATCH_SKEW = 0.02
+"""Extra cost of a step on one polyline only, so that straight lines correspond evenly. Ours."""
 
-SHARP = 0.35
-"""A vertex where the direction changes by more than this, radians, is a corner; a corner is put on a corner."""
+CORNER_TURN = 0.35
+"""A vertex where the direction changes by more than this, radians, is a corner; corners go to corners. Ours."""
 
 CORNER_STEPS = 8.0
-"""Corners that correspond are not farther apart than so many samples from where the warp has them."""
+"""A corner goes to a corner at most this many sample steps from its image by the warp. Ours."""
+
+_COINCIDENT = 1e-9
+"""Positions nearer than this, unit-area frame, are one position. Ours: far above rounding."""
 
 
 @kernel
@@ -45,8 +48,8 @@ def at(points: FloatArray, lengths: FloatArray, positions: FloatArray) -> FloatA
     for i in range(k):
         while s < m - 2 and lengths[s + 1] <= positions[i]:
             s += 1
-        stretch = lengths[s + 1] - lengths[s]
-        share = 0.0 if stretch == 0.0 else min(1.0, max(0.0, (positions[i] - lengths[s]) / stretch))
+        span = lengths[s + 1] - lengths[s]
+        share = 0.0 if span == 0.0 else min(1.0, max(0.0, (positions[i] - lengths[s]) / span))
         for axis in range(2):
             out[i, axis] = (
                 points[s + 1, axis]
@@ -72,7 +75,7 @@ def _directions(samples: FloatArray) -> FloatArray:
 
 @kernel
 def _warp(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean index in b of what corresponds to each sample of a (k, 2), and the other way round."""
+    """For each sample of a (m, 2) the mean index of the samples of b (k, 2) that correspond to it, and the reverse."""
     m, k = len(a), len(b)
     along_a, along_b = _directions(a), _directions(b)
     total = np.empty((m, k))
@@ -80,7 +83,7 @@ def _warp(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     for i in range(m):
         for j in range(k):
             x, y = a[i, 0] - b[j, 0], a[i, 1] - b[j, 1]
-            cost = (x * x + y * y) / (SIGMA * SIGMA)
+            cost = (x * x + y * y) / (MATCH_SIGMA * MATCH_SIGMA)
             cost += 1.0 - (along_a[i, 0] * along_b[j, 0] + along_a[i, 1] * along_b[j, 1])
             if i == 0 and j == 0:
                 total[i, j] = cost
@@ -88,10 +91,10 @@ def _warp(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
             best, which = np.inf, 0
             if i > 0 and j > 0:
                 best, which = total[i - 1, j - 1] + 2.0 * cost, 0
-            if i > 0 and total[i - 1, j] + cost + SKEW < best:
-                best, which = total[i - 1, j] + cost + SKEW, 1
-            if j > 0 and total[i, j - 1] + cost + SKEW < best:
-                best, which = total[i, j - 1] + cost + SKEW, 2
+            if i > 0 and total[i - 1, j] + cost + MATCH_SKEW < best:
+                best, which = total[i - 1, j] + cost + MATCH_SKEW, 1
+            if j > 0 and total[i, j - 1] + cost + MATCH_SKEW < best:
+                best, which = total[i, j - 1] + cost + MATCH_SKEW, 2
             total[i, j], step[i, j] = best, which
     in_b, in_a = np.zeros(m), np.zeros(k)
     count_b, count_a = np.zeros(m), np.zeros(k)
@@ -129,35 +132,34 @@ def corresponding(path: FloatArray, positions: FloatArray, arc: FloatArray, step
     path_lengths, arc_lengths = along(path), along(arc)
     on_path, on_arc = _even(path_lengths[-1], step), _even(arc_lengths[-1], step)
     in_arc, _ = _warp(at(path, path_lengths, on_path), at(arc, arc_lengths, on_arc))
-    found: FloatArray = np.interp(positions, on_path, in_arc * on_arc[1])
-    return found
+    matched: FloatArray = np.interp(positions, on_path, in_arc * on_arc[1])
+    return matched
 
 
 @kernel
 def turnings(points: FloatArray, reach: float) -> FloatArray:
-    """(m,) change of direction at each vertex of a polyline, seen from ``reach`` before it to ``reach`` after it,
-    radians; 0 at the ends."""
+    """(m,) change of direction, radians, at each vertex of a polyline, between the points at ``reach`` before and after
+    it; 0 at the ends."""
     m = len(points)
     lengths = along(points)
-    found = np.zeros(m)
+    turns = np.zeros(m)
     for k in range(1, m - 1):
         ends = at(points, lengths, np.array([max(lengths[k] - reach, 0.0), min(lengths[k] + reach, lengths[-1])]))
         ax, ay = points[k, 0] - ends[0, 0], points[k, 1] - ends[0, 1]
         bx, by = ends[1, 0] - points[k, 0], ends[1, 1] - points[k, 1]
-        found[k] = np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
-    return found
+        turns[k] = np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
+    return turns
 
 
 @kernel
 def merged(
     a: FloatArray, marks_a: FloatArray, b: FloatArray, marks_b: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Positions along two polylines, (k,) each, that correspond: all vertices of both, and more than ``step`` apart
-    none.
+    """Corresponding positions along two polylines, (k,) each: all vertices of both, at most ``step`` apart.
 
-    ``marks_*`` hold the turning at features, 0 at other vertices. Between features the correspondence is linear, so
-    that straight lines average to straight lines; a corner goes to the other's corner if it has one there. Offsets of
-    the ends are taken off in proportion before distances are looked at.
+    ``marks_*`` are the turnings at features, 0 at other vertices. Between features the correspondence is linear, so
+    that straight lines average to straight lines; a corner goes to the other's corner if it has one there. Before
+    distances are compared, the offsets of the ends are removed in proportion.
     """
     lengths_a, lengths_b = along(a), along(b)
     end_a, end_b = lengths_a[-1], lengths_b[-1]
@@ -171,18 +173,18 @@ def merged(
     image_a = np.interp(lengths_a, even_a, in_b * even_b[1])
     image_b = np.interp(lengths_b, even_b, in_a * even_a[1])
 
-    room = len(a) + len(b) + 2
-    knots = np.empty((room, 2))
+    capacity = len(a) + len(b) + 2
+    knots = np.empty((capacity, 2))
     knots[0], knots[1] = np.array([0.0, 0.0]), np.array([end_a, end_b])
     count = 2
     paired = np.zeros(len(b), dtype=np.bool_)
     reach = CORNER_STEPS * step
     done = np.zeros(len(a), dtype=np.bool_)
     for i in range(1, len(a) - 1):
-        if abs(marks_a[i]) > SHARP:
+        if abs(marks_a[i]) > CORNER_TURN:
             j = _partner(lengths_b, marks_b, image_a[i], marks_a[i], reach)
             if j >= 0 and _partner(lengths_a, marks_a, image_b[j], marks_b[j], reach) == i:
-                count = _insert(knots, count, lengths_a[i], lengths_b[j], 1e-9)
+                count = _insert(knots, count, lengths_a[i], lengths_b[j], _COINCIDENT)
                 done[i], paired[j] = True, True
     for i in range(1, len(a) - 1):
         if marks_a[i] != 0.0 and not done[i]:
@@ -196,16 +198,16 @@ def merged(
 @kernel
 def _partner(lengths: FloatArray, marks: FloatArray, position: float, turning: float, reach: float) -> int:
     """The corner nearest to ``position``, within ``reach``, that turns the same way; −1 if there is none."""
-    best, found = reach, -1
+    best, partner = reach, -1
     for j in range(1, len(lengths) - 1):
-        if abs(marks[j]) > SHARP and marks[j] * turning > 0.0 and abs(lengths[j] - position) < best:
-            best, found = abs(lengths[j] - position), j
-    return found
+        if abs(marks[j]) > CORNER_TURN and marks[j] * turning > 0.0 and abs(lengths[j] - position) < best:
+            best, partner = abs(lengths[j] - position), j
+    return partner
 
 
 @kernel
 def _insert(knots: FloatArray, count: int, u: float, v: float, apart: float) -> int:
-    """Insert (u, v) into ascending knots unless that breaks the order or comes nearer than ``apart``; how many."""
+    """Insert (u, v) into ascending knots unless it is out of order or nearer than ``apart``; returns their number."""
     slot = 1
     while knots[slot, 0] < u:
         slot += 1
@@ -222,11 +224,11 @@ def _insert(knots: FloatArray, count: int, u: float, v: float, apart: float) -> 
 def _between(
     knots: FloatArray, lengths_a: FloatArray, lengths_b: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Merge the vertices between knots, by their share of the way, and divide what is longer than ``step``."""
+    """Merge the vertices between knots by their share of the way, and divide intervals longer than ``step``."""
     count = len(knots)
-    room = len(lengths_a) + len(lengths_b) + 2 * count
-    room += int((lengths_a[-1] + lengths_b[-1]) / step) + room
-    u, v = np.empty(room), np.empty(room)
+    capacity = len(lengths_a) + len(lengths_b) + 2 * count
+    capacity += int((lengths_a[-1] + lengths_b[-1]) / step) + capacity
+    u, v = np.empty(capacity), np.empty(capacity)
     shares = np.empty(len(lengths_a) + len(lengths_b) + 2)
     size = 0
     for k in range(count - 1):
@@ -243,11 +245,11 @@ def _between(
         wide = max(span_a, span_b)
         for s in range(most):
             width = ordered[s + 1] - ordered[s]
-            if width * wide <= 1e-9:
+            if width * wide <= _COINCIDENT:
                 continue
-            parts = max(1, int(np.ceil(width * wide / step)))
-            for part in range(parts):
-                share = ordered[s] + width * part / parts
+            divisions = max(1, int(np.ceil(width * wide / step)))
+            for division in range(divisions):
+                share = ordered[s] + width * division / divisions
                 u[size], v[size] = knots[k, 0] + share * span_a, knots[k, 1] + share * span_b
                 size += 1
     u[size], v[size] = knots[count - 1, 0], knots[count - 1, 1]

@@ -1,4 +1,4 @@
-"""The one place that names the options of every compiled kernel."""
+"""The options of every compiled kernel."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ def kernel(function: F) -> F:
 
 
 def inner(function: F) -> F:
-    """The same for what only other kernels call, over and over, and that makes no array.
+    """Compile as `kernel`, for a function that only kernels call, many times, and that makes no array.
 
-    Without reference counts: counting those of a handful of arrays costs more than such a kernel's own work.
+    Reference counts are off: to count those of a handful of arrays takes longer than the work of such a function.
     """
     return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy", _nrt=False)(function)  # type: ignore[no-any-return]
 
 
 def inlined(function: F) -> F:
-    """The same for what is always part of the kernel that calls it, so that its loop over lanes can be vectorised."""
+    """Compile as `inner`, and always into the body of the caller, so that the caller's loop can be vectorised."""
     return numba.njit(  # type: ignore[no-any-return]
         cache=True, nogil=True, fastmath=False, error_model="numpy", _nrt=False, forceinline=True
     )(function)

@@ -1,4 +1,4 @@
-"""The distance of two shapes' trunks by trying everything: what QCRS is (theory §6), and the search's reference.
+"""The distance of two shapes by all pairs of trunks: the definition of QCRS, which the search must equal (theory §6).
 
 Distance of trunk T of P and trunk T' of Q, both n-gons, at shift s, with vertex j of T on vertex (s − j) mod n of T'::
 
@@ -19,7 +19,7 @@ from riot.types import FloatArray, IntArray
 
 
 class Side(NamedTuple):
-    """The trunks of one or more shapes as the kernels want them; each shape's ordered by (n, area).
+    """The trunks of shapes, laid out for these kernels; those of a shape are ordered by (n, area).
 
     ``starts`` (shapes + 1,) offsets of every shape's trunks; ``sizes`` (t,) their n; ``offsets`` (t + 1,) of every
     trunk's corners; ``edges``, ``alphas``, ``betas`` (s,), on Q's side `mirrored` and (2 s,); ``areas`` (t,).
@@ -43,7 +43,7 @@ class Sigmas(NamedTuple):
 
 
 class Winner(NamedTuple):
-    """A distance and where it is: trunks numbered within their shapes, and the shift; −1 if there is none."""
+    """The least distance, its trunks, numbered within their shapes, and its shift; −1 if there is none."""
 
     distance: float
     trunk_a: int
@@ -84,7 +84,7 @@ def _angle_sum(aa: FloatArray, ba: FloatArray, x: int, ab: FloatArray, bb: Float
 
 @kernel
 def brute_pair(a: Side, i: int, b: Side, j: int, sigmas: Sigmas) -> Winner:
-    """The winner between shape i of a and shape j of b by trying everything: the reference."""
+    """The winner between shape i of a and shape j of b, by all pairs of trunks and all shifts."""
     best, best_t, best_u, best_s = np.inf, -1, -1, -1
     for t in range(a.starts[i], a.starts[i + 1]):
         n, x = a.sizes[t], a.offsets[t]
@@ -117,9 +117,9 @@ def brute_block(
 def warm() -> None:
     """Compile on two triangles."""
     starts, offsets = np.array([0, 1], dtype=np.int64), np.array([0, 3], dtype=np.int64)
-    three, one = np.ones(3), np.ones(1)
-    first = Side(starts, 3 * np.ones(1, dtype=np.int64), offsets, three, three, three, one)
-    twice = mirrored(offsets, three, three, three)
+    corners, area = np.ones(3), np.ones(1)
+    first = Side(starts, 3 * np.ones(1, dtype=np.int64), offsets, corners, corners, corners, area)
+    twice = mirrored(offsets, corners, corners, corners)
     second = first._replace(edges=twice[0], alphas=twice[1], betas=twice[2])
     pair, out, winners = np.zeros((1, 2), dtype=np.int64), np.empty(1), np.empty((1, 3), dtype=np.int32)
     brute_block(pair, first, second, Sigmas(0.1, 0.5, 0.1), out, winners)

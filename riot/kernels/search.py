@@ -1,20 +1,21 @@
-"""The nearest trunks of two shapes: QCRS's hot loop (theory §6; the bounds are ours).
+"""The nearest trunks of two shapes: the search of QCRS (theory §6; the bounds are ours).
 
-The distance D of `riot.kernels.pairs`, exact, the same winner, but looked for from coarse to fine:
+The search gives the distance D and the winner of `riot.kernels.pairs`, exactly. It goes from coarse to fine:
 
-1. boxes round leaves of 16 similar trunks: how near can two leaves be (`_row`);
-2. the features of single trunks (`_mask`): sixteen at a time;
-3. all shifts of two trunks in single precision (`_near`), three corners' terms to the instruction;
+1. distances between boxes around leaves of 16 similar trunks (`_row`);
+2. distances between the features of trunks, sixteen at a time (`_mask`);
+3. all shifts of two trunks in single precision (`_near`);
 4. D itself in double precision (`_exact`), some two dozen times for two shapes.
 
 The first three are lower bounds of D in single precision, and prune only what exceeds the best D so far by more than
-all their rounding can be (`slack`). The leaf pairs of least bound are tried first, so that the best D is small early.
+all their rounding can be (`slack`). The leaf pairs of least bound come first, so that the best D is small early.
 
-What is written here for the machine: loops over `LEAF` or `WIDE` lanes without branches, which LLVM vectorises;
-indices that cannot be negative (constants, ranges, unsigned numbers), which spare Python's wrap-around; kernels without
-arrays of their own (`inner`), which spare reference counts; sums over n corners unrolled for each small n.
+Some code is written for the machine: loops over `QCRS_LEAF` or `TILE_LEAVES` lanes without branches, which LLVM
+vectorises; indices that cannot be negative (constants, ranges, unsigned numbers), which spare Python's wrap-around;
+kernels without arrays of their own (`inner`), which spare reference counts; sums over n corners unrolled for each small
+n.
 
-What it reads is laid out in a `riot.kernels.forest.Forest`.
+A `riot.kernels.forest.Forest` has the data that the search reads.
 """
 
 from __future__ import annotations
@@ -28,40 +29,45 @@ from riot.kernels.forest import Forest, Int32Array, Scale, Single
 from riot.kernels.options import inlined, inner, kernel
 from riot.types import FloatArray, IntArray
 
-# As in riot.kernels.leaves (a test compares): Numba freezes what it imports, so each kernel module has its own.
-LEAF, WIDE, EDGES, ANGLES = 16, 32, 3, 2
-FEATURES = 1 + EDGES + 2 * ANGLES + 1
-ALPHAS = 1 + EDGES
-BETAS = ALPHAS + ANGLES
+# The same as in riot.kernels.leaves (a test compares): Numba compiles globals as constants, and its cache does not
+# notice a change in another module.
+QCRS_LEAF, TILE_LEAVES, EDGE_CONTRASTS, ANGLE_CONTRASTS = 16, 32, 3, 2
+FEATURES = 1 + EDGE_CONTRASTS + 2 * ANGLE_CONTRASTS + 1
+FIRST_ALPHA = 1 + EDGE_CONTRASTS
+FIRST_BETA = FIRST_ALPHA + ANGLE_CONTRASTS
+CORNER_VALUES = 6
+BOX_VALUES = 6  # least and greatest of the area and of two contrasts of the edges, as `_apart` reads them
 
-LAST = np.int32(0x7F800000)
-"""The bits of infinity. Those of single-precision numbers from 0 up are in the order of the numbers."""
+INFINITY_BITS = np.int32(0x7F800000)
+"""The bits of single-precision infinity. The bits of numbers from 0 up are in the order of the numbers."""
 
-BITS = (1 << np.arange(LEAF)).astype(np.int32)
+LANE_BITS = (1 << np.arange(QCRS_LEAF)).astype(np.int32)
+"""The bit of each trunk of a leaf in a mask."""
 
-U = np.uint64
+U64 = np.uint64
 F32: TypeAlias = np.float32
 
 
 @inner
 def _row(
     box: Single, boxes: Single, tile: int, count: int, edge: F32, angle: F32, area: F32, out: Single, row: int,
-    place: int,
+    column: int,
 ) -> Any:  # fmt: skip
-    """Bounds of one leaf against ``count`` leaves of a tile, into ``out[row, place]``; the bits of the least."""
-    zero, one = np.float32(0.0), np.float32(1.0)
-    least = LAST
+    """Bounds of one leaf against ``count`` leaves of a tile, into ``out[row, column]``; returns the bits of the
+    least."""
+    zero, unit = np.float32(0.0), np.float32(1.0)
+    least = INFINITY_BITS
     for y in range(count):
-        u, v = box[0] - (one - boxes[tile, 0, y]), (one - boxes[tile, 1, y]) - box[1]
+        u, v = box[0] - (unit - boxes[tile, 0, y]), (unit - boxes[tile, 1, y]) - box[1]
         w = (u if u > v else v) * area
         e = zero
-        for k in range(1, 1 + EDGES):
+        for k in range(1, 1 + EDGE_CONTRASTS):
             u, v = box[2 * k] - boxes[tile, 2 * k + 1, y], boxes[tile, 2 * k, y] - box[2 * k + 1]
             g = u if u > v else v
             e = g if g > e else e
         p, q = boxes[tile, 2 * FEATURES - 2, y], box[2 * FEATURES - 2]
-        for k in range(ALPHAS, BETAS):
-            h = k + ANGLES
+        for k in range(FIRST_ALPHA, FIRST_BETA):
+            h = k + ANGLE_CONTRASTS
             u, v = box[2 * k] - boxes[tile, 2 * h + 1, y], boxes[tile, 2 * h, y] - box[2 * k + 1]
             g = u if u > v else v
             p = g if g > p else p
@@ -72,17 +78,17 @@ def _row(
         g = (p + q) * angle
         e = g if g > e else e
         e = w if w > e else e
-        out[row, place, y] = e
+        out[row, column, y] = e
     for y in range(count):
-        least = min(least, np.float32(out[row, place, y]).view(np.int32))
+        least = min(least, np.float32(out[row, column, y]).view(np.int32))
     return least
 
 
 @inner
 def _apart(features: Single, leaf: int, k: int, box: Single, edge: F32, area: F32, limit: F32) -> bool:
-    """Whether trunk k of a leaf is surely farther than ``limit`` from all of a leaf's box."""
-    one = np.float32(1.0)
-    value = one - features[leaf, 0, k]
+    """Whether trunk k of a leaf is surely farther than ``limit`` from every trunk in a box."""
+    unit = np.float32(1.0)
+    value = unit - features[leaf, 0, k]
     if (value - box[1]) * area > limit or (box[0] - value) * area > limit:
         return True
     value = features[leaf, 1, k]
@@ -97,14 +103,14 @@ def _bound(fa: Single, x: int, k: int, fb: Single, y: int, j: int, edge: F32, an
     """Bound of trunk k of leaf x against trunk j of leaf y."""
     w = abs((np.float32(1.0) - fa[x, 0, k]) - fb[y, 0, j]) * area
     e = abs(fa[x, 1, k] - fb[y, 1, j])
-    for f in range(2, 1 + EDGES):
+    for f in range(2, 1 + EDGE_CONTRASTS):
         g = abs(fa[x, f, k] - fb[y, f, j])
         e = g if g > e else e
     p, q = fb[y, FEATURES - 1, j], fa[x, FEATURES - 1, k]
-    for f in range(ALPHAS, BETAS):
-        g = abs(fa[x, f, k] - fb[y, f + ANGLES, j])
+    for f in range(FIRST_ALPHA, FIRST_BETA):
+        g = abs(fa[x, f, k] - fb[y, f + ANGLE_CONTRASTS, j])
         p = g if g > p else p
-        g = abs(fa[x, f + ANGLES, k] - fb[y, f, j])
+        g = abs(fa[x, f + ANGLE_CONTRASTS, k] - fb[y, f, j])
         q = g if g > q else q
     e *= edge
     g = (p + q) * angle
@@ -116,39 +122,39 @@ def _bound(fa: Single, x: int, k: int, fb: Single, y: int, j: int, edge: F32, an
 def _mask(fa: Single, x: int, k: int, fb: Single, y: int, edge: F32, angle: F32, area: F32, limit: F32) -> Any:
     """Which trunks of leaf y may be within ``limit`` of trunk k of leaf x: one bit each."""
     mask = np.int32(0)
-    for j in range(LEAF):
+    for j in range(QCRS_LEAF):
         near = _bound(fa, x, k, fb, y, j, edge, angle, area) <= limit
-        mask = np.int32(mask | (BITS[j] if near else np.int32(0)))
+        mask = np.int32(mask | (LANE_BITS[j] if near else np.int32(0)))
     return mask
 
 
 @inner
 def _least(fa: Single, x: int, k: int, fb: Single, y: int, edge: F32, angle: F32, area: F32) -> Any:
     """Bits of the least bound of trunk k of leaf x against the trunks of leaf y."""
-    least = LAST
-    for j in range(LEAF):
+    least = INFINITY_BITS
+    for j in range(QCRS_LEAF):
         least = min(least, np.float32(_bound(fa, x, k, fb, y, j, edge, angle, area)).view(np.int32))
     return least
 
 
 def _near_for(n: int) -> Callable[..., Any]:
     """`_near` for trunks of n corners, n known to the compiler."""
-    size, two, four = U(n), U(2 * n), U(4 * n)
+    size, alphas_at, betas_at = U64(n), U64(2 * n), U64(4 * n)
 
     @inner
     def near(ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
         """Whether, at any shift, edges and angles are within ``limit``; ``ca`` read backwards is P's own order."""
-        a, b = U(x) + size - U(1), U(y)
-        found: Any = False
+        a, b = U64(x) + size - U64(1), U64(y)
+        is_near: Any = False
         for s in range(size):
             e, g = np.float32(0.0), np.float32(0.0)
             for j in range(size):
                 e += abs(ca[a - j] - cb[b + s + j])
             for j in range(size):
-                g += abs(ca[a + four + U(1) - j] - cb[b + two + s + j])
-                g += abs(ca[a + two + U(1) - j] - cb[b + four + s + j])
-            found |= (e * edge <= limit) & (g * angle <= limit)
-        return found
+                g += abs(ca[a + betas_at + U64(1) - j] - cb[b + alphas_at + s + j])
+                g += abs(ca[a + alphas_at + U64(1) - j] - cb[b + betas_at + s + j])
+            is_near |= (e * edge <= limit) & (g * angle <= limit)
+        return is_near
 
     return near
 
@@ -209,7 +215,8 @@ def _exact(
 
 @inner
 def _improve(tops: FloatArray, old: float, new: float) -> None:
-    """Among the least distances, ascending, put an owner's new distance in the place of its old one, if it is there."""
+    """Replace an owner's old distance among the least distances, ascending, by its new one; the last one if it is not
+    there."""
     at = len(tops) - 1
     while at > 0 and tops[at] > old:
         at -= 1
@@ -221,8 +228,8 @@ def _improve(tops: FloatArray, old: float, new: float) -> None:
     tops[at] = new
 
 
-class Room(NamedTuple):
-    """Where a search keeps what it must: `_row`'s bounds and the least of each row, what the rows are, a box."""
+class SearchBuffers(NamedTuple):
+    """Scratch arrays of a search: the bounds of `_row`, the least of each row, the leaves of each row, a box."""
 
     bounds: Single
     least: Int32Array
@@ -242,11 +249,12 @@ def _nearest(
     bounds: Single, least: Int32Array, rows: IntArray, box: Single,
     owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array,
 ) -> None:  # fmt: skip
-    """Of every owner of trunks of shape j the nearest to shape i's, as long as it may be among the len(tops) nearest.
+    """For every owner of trunks of shape j, find the one nearest to a trunk of shape i, if the owner may be among the
+    len(tops) nearest.
 
-    ``owners`` (t,) of b's trunks. ``tops`` (k,) the least distances of k owners so far, ascending, of which the last is
-    how far the search reaches. Of every owner ``bests`` D, ``winners`` (T, T', shift), trunks numbered among all, and
-    ``met`` set to 1 where trunks were compared corner by corner.
+    ``owners`` (t,) are the owners of b's trunks. ``tops`` (k,) are the least distances of k owners so far, ascending;
+    the search reaches as far as the last. For every owner ``bests`` becomes D, ``winners`` (T, T', shift) with trunks
+    numbered among all, and ``met`` 1 where trunks were compared corner by corner.
     """
     reach = tops[-1]
     area = np.float32(2.0 / sigma_area)
@@ -263,20 +271,21 @@ def _nearest(
         edge, angle = np.float32(1.0 / (n * sigma_edge)), np.float32(1.0 / (2.0 * n * sigma_angle))
         facing_leaves = leaves_b[h + 1] - leaves_b[h]
         for x in range(leaves_a[g + 1] - leaves_a[g]):
-            tile, lane = tiles_a[g] + x // WIDE, x % WIDE
+            tile, lane = tiles_a[g] + x // TILE_LEAVES, x % TILE_LEAVES
             for f in range(2 * FEATURES):
                 box[f] = boxes_a[tile, f, lane]
-            low: Any = LAST
-            for place in range(tiles_b[h + 1] - tiles_b[h]):
-                wide = min(WIDE, facing_leaves - place * WIDE)
-                low = min(low, _row(box, boxes_b, tiles_b[h] + place, wide, edge, angle, area, bounds, count, place))
+            low: Any = INFINITY_BITS
+            for column in range(tiles_b[h + 1] - tiles_b[h]):
+                wide = min(TILE_LEAVES, facing_leaves - column * TILE_LEAVES)
+                low = min(low, _row(box, boxes_b, tiles_b[h] + column, wide, edge, angle, area, bounds, count, column))
             least[count] = low
             rows[count, 0], rows[count, 1], rows[count, 2] = g, h, x
             count += 1
         g += 1
         h += 1
     order = np.argsort(least[:count])
-    # First the nearest leaf of every leaf and only its nearest trunks, to learn how far to look, unless that is known.
+    # The first sweep visits only the nearest leaf of every leaf, and only its nearest trunks: it gives a limit to the
+    # second. A search with a limit needs no first sweep.
     for sweep in range(0 if reach == np.inf else 1, 2):
         for r in order:
             near = np.float32(reach + slack)
@@ -285,21 +294,21 @@ def _nearest(
             g, h, x = rows[r, 0], rows[r, 1], leaves_a[rows[r, 0]] + rows[r, 2]
             n = sizes_a[g]
             edge, angle = np.float32(1.0 / (n * sigma_edge)), np.float32(1.0 / (2.0 * n * sigma_angle))
-            begin_a = begins_a[g] + rows[r, 2] * LEAF * 6 * n
+            begin_a = begins_a[g] + rows[r, 2] * QCRS_LEAF * CORNER_VALUES * n
             enough = np.int32(least[r]) if sweep == 0 else np.float32(near).view(np.int32)
-            for place in range(tiles_b[h + 1] - tiles_b[h]):
-                for lane in range(min(WIDE, leaves_b[h + 1] - leaves_b[h] - place * WIDE)):
-                    if np.float32(bounds[r, place, lane]).view(np.int32) > enough:
+            for column in range(tiles_b[h + 1] - tiles_b[h]):
+                for lane in range(min(TILE_LEAVES, leaves_b[h + 1] - leaves_b[h] - column * TILE_LEAVES)):
+                    if np.float32(bounds[r, column, lane]).view(np.int32) > enough:
                         continue
-                    y = leaves_b[h] + place * WIDE + lane
-                    begin_b = begins_b[h] + (place * WIDE + lane) * LEAF * 6 * n
-                    for f in range(6):
-                        box[f] = boxes_b[tiles_b[h] + place, f, lane]
+                    y = leaves_b[h] + column * TILE_LEAVES + lane
+                    begin_b = begins_b[h] + (column * TILE_LEAVES + lane) * QCRS_LEAF * CORNER_VALUES * n
+                    for f in range(BOX_VALUES):
+                        box[f] = boxes_b[tiles_b[h] + column, f, lane]
                     near = np.float32(reach + slack)
-                    first, last = 0, LEAF
+                    first, last = 0, QCRS_LEAF
                     if sweep == 0:
-                        nearest = LAST
-                        for k in range(LEAF):
+                        nearest = INFINITY_BITS
+                        for k in range(QCRS_LEAF):
                             low = _least(features_a, x, k, features_b, y, edge, angle, area)
                             if low < nearest:
                                 nearest, first = low, k
@@ -311,10 +320,10 @@ def _nearest(
                         m = -1
                         while mask != 0:
                             m += 1
-                            if mask & BITS[m] == 0:
+                            if mask & LANE_BITS[m] == 0:
                                 continue
-                            mask ^= BITS[m]
-                            p, q = begin_a + k * 6 * n, begin_b + m * 6 * n
+                            mask ^= LANE_BITS[m]
+                            p, q = begin_a + k * CORNER_VALUES * n, begin_b + m * CORNER_VALUES * n
                             t, u = trunks_a[x, k], trunks_b[y, m]
                             o = owners[u]
                             met[o] = 1
@@ -339,15 +348,15 @@ def _nearest(
 
 
 @kernel
-def make_room(a: Forest, b: Forest) -> Room:
-    """Room for any shape of a against any of b."""
-    rows, places = 1, 1
+def make_buffers(a: Forest, b: Forest) -> SearchBuffers:
+    """Scratch arrays for any shape of a against any of b."""
+    rows, columns = 1, 1
     for i in range(len(a.groups) - 1):
         rows = max(rows, a.leaves[a.groups[i + 1]] - a.leaves[a.groups[i]])
     for h in range(len(b.sizes)):
-        places = max(places, b.tiles[h + 1] - b.tiles[h])
-    return Room(
-        np.empty((rows, places, WIDE), np.float32),
+        columns = max(columns, b.tiles[h + 1] - b.tiles[h])
+    return SearchBuffers(
+        np.empty((rows, columns, TILE_LEAVES), np.float32),
         np.empty(rows, np.int32),
         np.empty((rows, 3), np.int64),
         np.empty(2 * FEATURES, np.float32),
@@ -360,10 +369,10 @@ def block(
 ) -> None:
     """QCRS of ``pairs`` (k, 2) of shape numbers: fills ``out`` (k,) with D, ``winners`` (k, 3) with (T, T', shift).
 
-    Only distances up to ``limits`` (k,) count; without any it is inf, −1. Trunks are numbered within their shapes;
+    Only distances up to ``limits`` (k,) count; a pair without one has inf, −1. Trunks are numbered within their shapes;
     among equals the first by (T, T', shift) wins.
     """
-    bounds, least, rows, box = make_room(a, b)
+    bounds, least, rows, box = make_buffers(a, b)
     owners = np.zeros(len(b.areas), np.int32)
     top, best, winner, met = np.empty(1), np.empty(1), np.empty((1, 3), np.int32), np.empty(1, np.int32)
     for k in range(pairs.shape[0]):
@@ -391,12 +400,13 @@ def partners(
 ) -> None:  # fmt: skip
     """The nearest owners of b's trunks for shape i of a: see `_nearest`. b's "shapes" are cells of similar trunks.
 
-    ``crowns`` (cells, 2 FEATURES) the box of each. Cells are searched in order of their distance, as far as it matters.
+    ``crowns`` (cells, 2 FEATURES) are the boxes of the cells. Cells are searched in order of their distance, up to the
+    last of ``tops``.
     """
-    bounds, least, rows, box = make_room(a, b)
+    bounds, least, rows, box = make_buffers(a, b)
     far = np.full(len(crowns), np.inf, np.float32)
     area = np.float32(2.0 / scale.area)
-    lone, row = np.empty((1, 2 * FEATURES, WIDE), np.float32), np.empty((1, 1, WIDE), np.float32)
+    lone, row = np.empty((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.empty((1, 1, TILE_LEAVES), np.float32)
     for cell in range(len(crowns)):
         n = b.sizes[b.groups[cell]]
         for g in range(a.groups[i], a.groups[i + 1]):
@@ -406,7 +416,7 @@ def partners(
             lone[0, :, 0] = crowns[cell]
             for x in range(a.leaves[g + 1] - a.leaves[g]):
                 for f in range(2 * FEATURES):
-                    box[f] = a.boxes[a.tiles[g] + x // WIDE, f, x % WIDE]
+                    box[f] = a.boxes[a.tiles[g] + x // TILE_LEAVES, f, x % TILE_LEAVES]
                 _row(box, lone, 0, 1, edge, angle, area, row, 0, 0)
                 far[cell] = min(far[cell], row[0, 0, 0])
     for cell in np.argsort(far):
@@ -424,13 +434,13 @@ def partners(
 
 def warm() -> None:
     """Compile on two triangles."""
-    two, one = np.array([0, 1], dtype=np.int64), np.ones(1)
-    three = np.ones(3)
+    ends, area = np.array([0, 1], dtype=np.int64), np.ones(1)
+    corners = np.ones(3)
     forest = Forest(
-        two, np.array([3], dtype=np.int64), two, two, np.array([0, 18 * LEAF], dtype=np.int64),
-        np.zeros((1, LEAF), np.int32), np.ones((1, FEATURES, LEAF), np.float32),
-        np.ones((1, 2 * FEATURES, WIDE), np.float32), np.ones(18 * LEAF, np.float32),
-        two, np.array([0, 3], dtype=np.int64), three, three, three, one,
+        ends, np.array([3], dtype=np.int64), ends, ends, np.array([0, 18 * QCRS_LEAF], dtype=np.int64),
+        np.zeros((1, QCRS_LEAF), np.int32), np.ones((1, FEATURES, QCRS_LEAF), np.float32),
+        np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.ones(18 * QCRS_LEAF, np.float32),
+        ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, area,
     )  # fmt: skip
     out, winners = np.empty(1), np.empty((1, 3), np.int32)
     block(np.zeros((1, 2), np.int64), forest, forest, Scale(0.1, 0.5, 0.1, 1e-4), np.full(1, np.inf), out, winners)

@@ -1,4 +1,4 @@
-"""Segments in a polygon: the hot loops of necks (paper §5.1) and of how much of a trunk edge is inside (§4.1.2)."""
+"""Segments in a polygon: necks (paper §5.1), and the share of a trunk edge that is inside (paper §4.1.2)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from riot.kernels.options import kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
 _ROUNDING = 1e-12
-"""More than coordinates of the unit-area frame lose by rounding."""
+"""Greater than any rounding of coordinates in the unit-area frame. Ours."""
 
 
 @kernel
@@ -52,8 +52,8 @@ def _crossing(
 def inscribed(points: FloatArray, first: int, second: int, tolerance: float) -> bool:
     """Whether the segment between two vertices of the simple polygon (m, 2) lies in the closed polygon.
 
-    Without a proper crossing the segment can only change sides where it touches a vertex; so it is cut at the
-    vertices nearer than ``tolerance`` and the middle of every part is looked up. Exact but for that distance.
+    Without a proper crossing the segment can leave the polygon only where it touches a vertex. So it is cut at the
+    vertices nearer than ``tolerance``, and the middle of every interval must be inside.
     """
     m = points.shape[0]
     px, py = points[first, 0], points[first, 1]
@@ -81,10 +81,10 @@ def inscribed(points: FloatArray, first: int, second: int, tolerance: float) -> 
                 return False
         side_a = side_b
 
-    parts = np.sort(touching[:touches])
+    cuts = np.sort(touching[:touches])
     for k in range(touches - 1):
-        if parts[k + 1] - parts[k] > tolerance:
-            middle = 0.5 * (parts[k] + parts[k + 1])
+        if cuts[k + 1] - cuts[k] > tolerance:
+            middle = 0.5 * (cuts[k] + cuts[k + 1])
             if not contains(points, px + middle * dx, py + middle * dy, tolerance):
                 return False
     return True
@@ -96,8 +96,8 @@ def inside_share(
 ) -> float:
     """Share of the segment a–b that lies in the closed polygon ``points`` (m, 2); ``cuts`` (≥ m + 2,) is scratch.
 
-    Cut as in `inscribed`, and where the boundary crosses. A part on the boundary, within ``tolerance``, is inside: an
-    edge along a straight side must not count by how its coordinates round.
+    The segment is cut as in `inscribed`, and where the boundary crosses it. An interval within ``tolerance`` of the
+    boundary is inside, so that rounding does not decide about an edge along a straight side.
     """
     m = points.shape[0]
     dx, dy = bx - ax, by - ay
@@ -133,18 +133,18 @@ def inside_share(
 def inside_shares(points: FloatArray, indices: IntArray, wanted: BoolArray, tolerance: float) -> FloatArray:
     """(c, c) share of the segment between vertices ``indices[i]`` and ``indices[j]`` inside; nan if not ``wanted``."""
     c = len(indices)
-    found = np.full((c, c), np.nan)
+    shares = np.full((c, c), np.nan)
     cuts = np.empty(points.shape[0] + 2)
     for i in range(c):
         for j in range(c):
             if not wanted[i, j]:
                 continue
             if wanted[j, i] and j < i:
-                found[i, j] = found[j, i]
+                shares[i, j] = shares[j, i]
                 continue
             a, b = indices[i], indices[j]
-            found[i, j] = inside_share(points, points[a, 0], points[a, 1], points[b, 0], points[b, 1], tolerance, cuts)
-    return found
+            shares[i, j] = inside_share(points, points[a, 0], points[a, 1], points[b, 0], points[b, 1], tolerance, cuts)
+    return shares
 
 
 @kernel
@@ -158,7 +158,7 @@ def find_necks(
     """
     m = points.shape[0]
     ratio = np.empty(m, dtype=np.float64)
-    found = np.empty((concave.shape[0] * m, 2), dtype=np.int64)
+    necks = np.empty((concave.shape[0] * m, 2), dtype=np.int64)
     count = 0
     for c in range(concave.shape[0]):
         p1 = concave[c]
@@ -178,9 +178,9 @@ def find_necks(
                 and ratio[i] > 1.0 + tie
                 and inscribed(points, p1, i, tolerance)
             ):
-                found[count, 0], found[count, 1] = p1, i
+                necks[count, 0], necks[count, 1] = p1, i
                 count += 1
-    return found[:count].copy()
+    return necks[:count].copy()
 
 
 def warm() -> None:

@@ -1,4 +1,4 @@
-"""Douglas–Peucker on one open polyline, and midpoints: the loops behind `riot.geometry.polyline`."""
+"""Douglas–Peucker on polylines and polygons, and midpoints: the loops behind `riot.geometry.polyline`."""
 
 from __future__ import annotations
 
@@ -7,17 +7,20 @@ import numpy as np
 from riot.kernels.options import kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
-_TIE = 1e-9
-"""Relative difference below which distances count as equal, however their coordinates round."""
+TIE = 1e-9
+"""Relative difference below which two ratios, angles or distances count as equal, and a value as on its limit.
+
+So a moved copy of a shape gives the same results although its coordinates round otherwise. Ours: a million times the
+rounding of double precision."""
 
 
 @kernel
 def douglas_peucker(points: FloatArray, tolerance: float) -> BoolArray:
     """Mark the vertices of an (m, 2) polyline that are kept; both ends always are.
 
-    A vertex is measured against the chord as a segment, not as a line, so that a spike that runs past the end
-    of its chord is kept. Of equally distant vertices, as on a straight side parallel to the chord, the one nearest to
-    an end of the chord wins, a corner; of these the first. So a turned or mirrored copy keeps the same ones.
+    The distance of a vertex is that to the chord as a segment, not as a line, so that a spike that runs past the end of
+    its chord is kept. Of equally distant vertices, as on a straight side parallel to the chord, the one nearest to an
+    end of the chord wins, which is a corner; of these the first. So a turned or mirrored copy keeps the same vertices.
     """
     m = points.shape[0]
     keep = np.zeros(m, dtype=np.bool_)
@@ -28,7 +31,7 @@ def douglas_peucker(points: FloatArray, tolerance: float) -> BoolArray:
     stack[0, 0] = 0
     stack[0, 1] = m - 1
     top = 1
-    squares, places = np.empty(m), np.empty(m)
+    squares, shares = np.empty(m), np.empty(m)
     while top > 0:
         top -= 1
         first = stack[top, 0]
@@ -48,14 +51,14 @@ def douglas_peucker(points: FloatArray, tolerance: float) -> BoolArray:
                 t = min(1.0, max(0.0, (px * dx + py * dy) / square))
             ex = px - t * dx
             ey = py - t * dy
-            squares[i], places[i] = ex * ex + ey * ey, t
+            squares[i], shares[i] = ex * ex + ey * ey, t
             if squares[i] > worst:
                 worst = squares[i]
                 split = i
         outermost = -1.0
         for i in range(first + 1, last if split >= 0 else 0):
-            if squares[i] >= worst * (1.0 - _TIE) and abs(places[i] - 0.5) > outermost + _TIE:
-                outermost = abs(places[i] - 0.5)
+            if squares[i] >= worst * (1.0 - TIE) and abs(shares[i] - 0.5) > outermost + TIE:
+                outermost = abs(shares[i] - 0.5)
                 split = i
         if split >= 0:
             keep[split] = True
@@ -79,7 +82,7 @@ def farthest_vertex(points: FloatArray, x: float, y: float) -> int:
         greatest = max(greatest, squares[i])
     best = -1
     for i in range(m):
-        if squares[i] >= greatest * (1.0 - _TIE) and (
+        if squares[i] >= greatest * (1.0 - TIE) and (
             best < 0
             or points[i, 0] < points[best, 0]
             or (points[i, 0] == points[best, 0] and points[i, 1] < points[best, 1])
@@ -106,9 +109,9 @@ def simplified(points: FloatArray, x: float, y: float, tolerance: float) -> IntA
     for start, stop in ((0, middle), (middle, m)):
         if start == stop or middle == 0:  # all vertices coincide
             continue
-        part = douglas_peucker(turned[start : stop + 1], tolerance)
+        kept = douglas_peucker(turned[start : stop + 1], tolerance)
         for i in range(stop - start):
-            if part[i]:
+            if kept[i]:
                 keep[(first + start + i) % m] = True
     return np.flatnonzero(keep)
 
@@ -117,26 +120,26 @@ def simplified(points: FloatArray, x: float, y: float, tolerance: float) -> IntA
 def halved(starts: FloatArray, perimeter: float, spacing: float) -> tuple[FloatArray, BoolArray]:
     """Arc lengths (n,) of vertices and of the midpoints between them, and which are vertices.
 
-    ``starts`` (k,) are the vertices', ascending. Each stretch from one to the next, the last around the polygon of this
-    ``perimeter`` to the first, is halved until its parts are shorter than ``spacing``.
+    ``starts`` (k,) are the arc lengths of the vertices, ascending. The interval from a vertex to the next, which for
+    the last is the first, is halved until its divisions are shorter than ``spacing``.
     """
     count = len(starts)
-    parts = np.empty(count, dtype=np.int64)
+    divisions = np.empty(count, dtype=np.int64)
     total = 0
     for k in range(count):
-        stretch = (starts[k + 1] if k + 1 < count else starts[0] + perimeter) - starts[k]
-        parts[k] = 1
-        while stretch / parts[k] >= spacing:
-            parts[k] *= 2
-        total += parts[k]
+        span = (starts[k + 1] if k + 1 < count else starts[0] + perimeter) - starts[k]
+        divisions[k] = 1
+        while span / divisions[k] >= spacing:
+            divisions[k] *= 2
+        total += divisions[k]
     positions, is_start = np.empty(total), np.zeros(total, dtype=np.bool_)
     at = 0
     for k in range(count):
-        stretch = (starts[k + 1] if k + 1 < count else starts[0] + perimeter) - starts[k]
-        part = stretch / parts[k]
+        span = (starts[k + 1] if k + 1 < count else starts[0] + perimeter) - starts[k]
+        interval = span / divisions[k]
         is_start[at] = True
-        for i in range(parts[k]):
-            positions[at] = starts[k] + i * part
+        for i in range(divisions[k]):
+            positions[at] = starts[k] + i * interval
             at += 1
     return positions, is_start
 

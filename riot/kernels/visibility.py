@@ -1,4 +1,4 @@
-"""What a boundary point sees of its own polygon: the hot loop of the binary score (paper eq. 1)."""
+"""The region of a polygon that is visible from a boundary point, for the binary score (paper eq. 1)."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ from riot.kernels.options import kernel
 from riot.types import FloatArray, IntArray
 
 _SAME_ANGLE = 1e-12
-"""Directions closer than this, radians, are one ray."""
+"""Directions closer than this, radians, are one direction. Ours."""
 
 _STRAIGHT = 1e-9
-"""A stretch of boundary no longer than its chord, up to this share, is straight."""
+"""A section of boundary that is longer than its chord by at most this share is straight. Ours."""
 
 _WIDER = 1e-12
-"""By so much more, radians, than the angle an edge spans it is tried for rays: far above rounding (of about 1e-15)."""
+"""An edge is tried for rays beyond the angle that it spans by this, radians. Ours: far above rounding, 1e-15 or so."""
 
 _FLAT = 1e-6
-"""An edge that spans an angle nearer to π than this, radians, may pass the point on either side by rounding."""
+"""Rounding decides on which side of the point an edge passes that spans an angle nearer to π than this, radians.
+Ours."""
 
 _BESIDE = 1e-9
-"""So may an edge with an end nearer to the point than this, in the unit-area frame."""
+"""The same holds for an edge with an end nearer to the point than this, in the unit-area frame. Ours."""
 
 
 @kernel
@@ -33,7 +34,7 @@ def _turn(angle: float) -> float:
 
 @kernel
 def _rays(around: FloatArray, forward: float, angles: FloatArray, mids: FloatArray, directions: FloatArray) -> int:
-    """Fill the rays between neighbouring directions of vertices within the interior angle; their number.
+    """Fill the rays between neighbouring directions of vertices within the interior angle; returns their number.
 
     ``around`` (m,) directions of the vertices after the point, radians from ``forward``, the last the cone's end.
     Ray a runs at ``mids[a]`` between ``angles[a]`` and ``angles[a + 1]``; ``directions`` (m, 2) its cosine and sine.
@@ -62,7 +63,7 @@ def _rays(around: FloatArray, forward: float, angles: FloatArray, mids: FloatArr
 def _meet(
     local: FloatArray, j: int, first: int, last: int, directions: FloatArray, nearest: FloatArray, edges: IntArray
 ) -> None:
-    """Where edge j meets the rays first … last − 1 nearer than the edges before it, remember it."""
+    """Store the distance and number of edge j for the rays first … last − 1 that it meets before all earlier edges."""
     x0, y0, x1, y1 = local[j, 0], local[j, 1], local[j + 1, 0], local[j + 1, 1]
     for a in range(first, last):
         dx, dy = directions[a, 0], directions[a, 1]
@@ -87,8 +88,8 @@ def _first_edges(
     """Fill ``edges`` (rays,): the edge that each ray meets first, −1 if none; edge j runs from vertex j to j + 1.
 
     ``local`` (m, 2) the vertices from the point on, relative to it. An edge is tried only for the rays in the angle
-    that it spans, found by walking along the sorted ``mids`` with the boundary; so the work is the number of
-    crossings, not of rays times edges.
+    that it spans. An index into the sorted ``mids`` follows the boundary, so that the work grows with the number of
+    crossings, not with rays times edges.
     """
     for a in range(rays):
         nearest[a], edges[a] = np.inf, -1
@@ -128,12 +129,12 @@ def _beside(local: FloatArray, j: int) -> bool:
 
 @kernel
 def seen(points: FloatArray, lengths: FloatArray, k: int) -> tuple[float, float, float]:
-    """(area, perimeter, longest hidden stretch) of the visibility polygon of vertex k.
+    """(area, perimeter, longest hidden boundary section) of the visibility polygon of vertex k.
 
     ``points`` (m, 2) counter-clockwise simple polygon; ``lengths`` (m + 1,) arc length at each vertex. Between the
     rays to two vertices neighbouring in angle the visible edge is one and the same, so the region is a fan of
-    triangles; as it is walked counter-clockwise, the boundary it shows runs forwards, and a jump in arc length is a
-    stretch that a window hides.
+    triangles. Counter-clockwise along it the visible boundary runs forwards, and a jump in arc length is a section of
+    boundary that a window hides.
     """
     m = points.shape[0]
     local, around = np.empty((m, 2)), np.empty(m)
@@ -181,9 +182,9 @@ def seen(points: FloatArray, lengths: FloatArray, k: int) -> tuple[float, float,
 
 
 @kernel
-def _behind(stretch: float, window: float) -> float:
-    """Length of a stretch of boundary behind a window; a straight one lies in the window itself and is seen."""
-    return stretch if stretch > window * (1.0 + _STRAIGHT) else 0.0
+def _behind(length: float, window: float) -> float:
+    """Hidden length of a section of boundary behind a window: 0 if it is straight, since it is the window itself."""
+    return length if length > window * (1.0 + _STRAIGHT) else 0.0
 
 
 @kernel
@@ -197,14 +198,14 @@ def _on_edge(ax: float, ay: float, ex: float, ey: float, dx: float, dy: float) -
 
 @kernel
 def seen_from(points: FloatArray, lengths: FloatArray, indices: IntArray) -> FloatArray:
-    """(k, 3) area, perimeter and longest hidden stretch of the visibility polygons of the vertices ``indices``."""
-    found = np.empty((len(indices), 3))
+    """(k, 3) area, perimeter and longest hidden section of the visibility polygons of the vertices ``indices``."""
+    views = np.empty((len(indices), 3))
     for row in range(len(indices)):
         area, perimeter, hidden = seen(points, lengths, indices[row])
-        found[row, 0] = area
-        found[row, 1] = perimeter
-        found[row, 2] = hidden
-    return found
+        views[row, 0] = area
+        views[row, 1] = perimeter
+        views[row, 2] = hidden
+    return views
 
 
 def warm() -> None:

@@ -1,4 +1,4 @@
-"""Compiling every kernel before it is needed, and saying so."""
+"""Compile every kernel before it is needed."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ import riot.kernels
 
 
 def warm_all(report: Callable[[str], None]) -> None:
-    """Make every kernel ready to run; ``report`` is told what is being compiled, and nothing if all is in the cache.
+    """Make every kernel ready to run.
 
-    Numba keeps what it compiled beside the modules, so this takes long only once after installation or a change.
+    ``report`` gets a message if kernels have to be compiled, which takes about a minute, once after installation or
+    after a change: Numba keeps compiled kernels beside their modules.
     """
     missing = uncompiled()
     if missing:

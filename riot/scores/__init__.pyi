@@ -3,6 +3,8 @@ from . import crs as crs
 from . import index as index
 from . import leaves as leaves
 from . import qcrs as qcrs
+from . import ragged as ragged
 from . import reversibility as reversibility
+from . import trunk_stack as trunk_stack
 from . import trunks as trunks
 from . import vertices as vertices

@@ -16,7 +16,7 @@ from riot.scores.trunks import Trunks, full_trunks
 from riot.types import FloatArray, IntArray
 from riot.units import D_C
 
-FIRST_ROOM = 64
+FIRST_CAPACITY = 64
 """Candidates that are listed at once; any number gives the same result."""
 
 AREA_SLACK = 2e-3
@@ -97,8 +97,8 @@ def crs(
     >>> round(full.score, 3), full.score == min(full.s_edge, full.s_angle, full.s_area)
     (0.951, True)
     """
-    found = best_trunk_pairs(a, b, trunks_a, trunks_b, parameters, count=1)
-    return found[0] if found else NO_SCORE
+    best = best_trunk_pairs(a, b, trunks_a, trunks_b, parameters, count=1)
+    return best[0] if best else NO_SCORE
 
 
 def best_trunk_pairs(
@@ -124,7 +124,7 @@ def prepare(shape: Shape, trunks: Trunks | None = None) -> CrossSide:
     # Read-only arrays would have the kernels compiled once more.
     points, vertices = np.array(shape.points), trunks.vertices.astype(np.int64)
     offsets, betas = np.array(trunks.offsets, dtype=np.int64), trunks.betas
-    edges, alphas, areas = (np.array(each) for each in (trunks.edges, trunks.alphas, trunks.areas))
+    edges, alphas, areas = (np.array(values) for values in (trunks.edges, trunks.alphas, trunks.areas))
     pieces = piece_areas(points, swept_area(points), offsets, vertices)
     return CrossSide(trunks, points, offsets, vertices, arrange(offsets, edges, alphas, betas, pieces, areas))
 
@@ -142,17 +142,17 @@ def best_of_prepared(
     order = np.argsort(bounds, kind="stable")
     bounds, pairs = bounds[order], pairs[order]
     trunks = ((a.offsets, a.vertices), (b.offsets, b.vertices))
-    room, number, evaluations = FIRST_ROOM, 0, 0
+    capacity, number, evaluations = FIRST_CAPACITY, 0, 0
     above, limit = -math.inf, math.inf
     while True:
-        found, which = np.empty((room, 2)), np.empty((room, 3), dtype=np.int64)
-        listed, reached = nearest_candidates(a.side, b.side, units, bounds, pairs, above, limit, found, which)
+        candidates, which = np.empty((capacity, 2)), np.empty((capacity, 3), dtype=np.int64)
+        listed, reached = nearest_candidates(a.side, b.side, units, bounds, pairs, above, limit, candidates, which)
         if listed < 0:
-            room *= 4
+            capacity *= 4
             continue
-        order = np.argsort(found[:listed, 0], kind="stable")
+        order = np.argsort(candidates[:listed, 0], kind="stable")
         number, begun = best_area_terms(
-            *(a.points, b.points, *trunks, order, found, which),
+            *(a.points, b.points, *trunks, order, candidates, which),
             *(parameters.sigma_area, parameters.lines, number, kept, kept_which),
         )
         evaluations += begun
@@ -186,15 +186,15 @@ def _describe(
         vertices_a, vertices_b = trunks_a.vertices[here].astype(np.int64), trunks_b.vertices[there].astype(np.int64)
         for row, trunk_a, trunk_b in zip(rows, vertices_a, vertices_b, strict=True):
             corners[row] = trunk_a.copy(), trunk_b.copy()
-    found = []
+    scored = []
     for (trunk_a, trunk_b), *terms in zip(corners, edges.tolist(), angles.tolist(), areas.tolist(), strict=True):
         scores = (
             gaussian(terms[0], parameters.sigma_e * D_C),
             gaussian(terms[1], parameters.sigma_angle),
             gaussian(terms[2], parameters.sigma_area),
         )
-        found.append(CrossScore(min(scores), trunk_a, trunk_b, *scores, terms[2], evaluations))
-    return found
+        scored.append(CrossScore(min(scores), trunk_a, trunk_b, *scores, terms[2], evaluations))
+    return scored
 
 
 def gaussian(distance: float, sigma: float) -> float:

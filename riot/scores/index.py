@@ -16,15 +16,18 @@ import numpy as np
 import numpy.typing as npt
 
 from riot.kernels.forest import Forest
+from riot.kernels.leaves import QCRS_LEAF
 from riot.kernels.search import partners
 from riot.parameters import QcrsParameters
 from riot.scores.leaves import gather_leaves
-from riot.scores.qcrs import BlockScores, TrunkStack, distance_of, lay_out_forest, scale_of
+from riot.scores.qcrs import BlockScores, distance_of, scale_of
+from riot.scores.ragged import joined, joined_offsets
+from riot.scores.trunk_stack import TrunkStack, lay_out_forest
 
-CELL = 128
+CELL_LEAVES = 128
 """Leaves of a cell; any number gives the same result."""
 
-LAID_OUT_BY = ("trunks", "leaves", "groups")
+KEPT_CELL_ARRAYS = ("trunks", "leaves", "groups")
 """What of the cells is kept; laying out the rest takes less time than reading and checking it."""
 
 
@@ -53,7 +56,7 @@ class TrunkIndex:
         leaves = gather_leaves(everything)
         n = np.diff(everything.offsets)[leaves[:, 0]]
         runs = np.flatnonzero(np.diff(n, prepend=0))
-        first = np.concatenate([np.arange(low, high, CELL) for low, high in _spans(runs, len(n))] + [[len(n)]])
+        first = np.concatenate([np.arange(low, high, CELL_LEAVES) for low, high in _spans(runs, len(n))] + [[len(n)]])
         return cls(everything, lay_out_forest(everything, leaves, first, np.arange(len(first))))
 
     @cached_property
@@ -74,12 +77,15 @@ class TrunkIndex:
     @classmethod
     def array_names(cls) -> tuple[str, ...]:
         """What `to_arrays` names its arrays."""
-        return (*(f"trunks.{field.name}" for field in fields(TrunkStack)), *(f"cells.{name}" for name in LAID_OUT_BY))
+        return (
+            *(f"trunks.{field.name}" for field in fields(TrunkStack)),
+            *(f"cells.{name}" for name in KEPT_CELL_ARRAYS),
+        )
 
     def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """Plain arrays by name, to be kept: those that the rest is quickly made of again."""
-        parts = {"trunks": self.trunks.to_arrays(), "cells": self.cells._asdict()}
-        return {name: parts[part][array] for name in self.array_names() for part, array in [name.split(".")]}
+        groups = {"trunks": self.trunks.to_arrays(), "cells": self.cells._asdict()}
+        return {name: groups[group][array] for name in self.array_names() for group, array in [name.split(".")]}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> TrunkIndex:
@@ -87,7 +93,7 @@ class TrunkIndex:
         # Copies: compiled kernels would compile a second time for read-only arrays.
         copies = {name: np.array(arrays[name]) for name in cls.array_names()}
         trunks = TrunkStack.from_arrays({field.name: copies[f"trunks.{field.name}"] for field in fields(TrunkStack)})
-        return cls(trunks, lay_out_forest(trunks, *(copies[f"cells.{name}"] for name in LAID_OUT_BY)))
+        return cls(trunks, lay_out_forest(trunks, *(copies[f"cells.{name}"] for name in KEPT_CELL_ARRAYS)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,19 +112,15 @@ def join(stacks: Sequence[TrunkStack]) -> TrunkStack:
     if len(stacks) == 1:
         return stacks[0]
 
-    def put(parts: list[npt.NDArray[np.int64]]) -> npt.NDArray[np.int64]:
-        ends = np.cumsum([0, *(part[-1] for part in parts)])
-        return np.concatenate([[0], *(part[1:] + end for part, end in zip(parts, ends, strict=False))]).astype(np.int64)
-
     return TrunkStack(
-        starts=put([each.starts for each in stacks]),
-        offsets=put([each.offsets for each in stacks]),
-        edges=np.concatenate([np.zeros(0), *(each.edges for each in stacks)]),
-        alphas=np.concatenate([np.zeros(0), *(each.alphas for each in stacks)]),
-        betas=np.concatenate([np.zeros(0), *(each.betas for each in stacks)]),
-        areas=np.concatenate([np.zeros(0), *(each.areas for each in stacks)]),
-        leaf_starts=put([each.leaf_starts for each in stacks]),
-        leaves=np.concatenate([np.empty((0, 16), np.int32), *(each.leaves for each in stacks)]),
+        starts=joined_offsets([stack.starts for stack in stacks]),
+        offsets=joined_offsets([stack.offsets for stack in stacks]),
+        edges=joined(stacks, "edges"),
+        alphas=joined(stacks, "alphas"),
+        betas=joined(stacks, "betas"),
+        areas=joined(stacks, "areas"),
+        leaf_starts=joined_offsets([stack.leaf_starts for stack in stacks]),
+        leaves=np.concatenate([np.empty((0, QCRS_LEAF), np.int32), *(stack.leaves for stack in stacks)]),
     )
 
 
@@ -138,11 +140,11 @@ def best_partners(
     """
     if count < 1:
         raise ValueError(f"best_partners({count=}): ask for one partner at least")
-    found = [
+    searches = [
         _search(index, query, i, count, parameters, float(distance_of(least)), [] if itself is None else [itself[i]])
         for i in range(len(query))
     ]
-    return Partners(_collect(query, [rows for rows, _ in found]), sum(met for _, met in found))
+    return Partners(_collect(query, [rows for rows, _ in searches]), sum(met for _, met in searches))
 
 
 def best_pairs(index: TrunkIndex, count: int, parameters: QcrsParameters | None = None, least: float = 0.0) -> Partners:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.geometry.polyline import TIE, TOUCH, arc_length, shifted, simplify
+from riot.geometry.polyline import TOUCH, arc_length, shifted, simplify
 from riot.geometry.shape import Shape
 from riot.kernels.segments import find_necks
+from riot.kernels.simplify import TIE
 from riot.parameters import ReversibilityParameters, TrunkParameters
 from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
@@ -111,7 +112,7 @@ def concave_points(points: FloatArray, tolerance: float) -> IntArray:
     return np.asarray(kept[turn < -TIE * scale], dtype=np.int64)
 
 
-def cut_off(shape: Shape, found: Reversibility, width: float | None = None) -> BoolArray:
+def cut_off(shape: Shape, necks: Reversibility, width: float | None = None) -> BoolArray:
     """Boundary points, (m,) bool, cut off by narrow necks (paper §5.2).
 
     A neck narrower than ``width`` (default ``0.2·D_c``) cuts off the points strictly between its ends on the
@@ -122,8 +123,8 @@ def cut_off(shape: Shape, found: Reversibility, width: float | None = None) -> B
     arc = arc_length(shape.points)
     perimeter = float(arc[-1])
     mask = np.zeros(len(shape.points), dtype=np.bool_)
-    narrow = (found.neck_width < limit) & (found.neck_ratio >= HALF_DISC)
-    for first, second in np.sort(found.necks[narrow], axis=1):
+    narrow = (necks.neck_width < limit) & (necks.neck_ratio >= HALF_DISC)
+    for first, second in np.sort(necks.necks[narrow], axis=1):
         between = float(arc[second] - arc[first])
         if abs(2.0 * between - perimeter) <= TIE * perimeter:
             continue

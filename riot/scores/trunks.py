@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from riot.geometry.polyline import TIE, TOUCH, arc_length, swept_area
+from riot.geometry.polyline import TOUCH, arc_length, swept_area
 from riot.geometry.shape import Shape
 from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.segments import inside_shares
+from riot.kernels.simplify import TIE
 from riot.parameters import QcrsVariant, TrunkParameters
 from riot.scores.reversibility import Reversibility, cut_off, reversibility
 from riot.scores.vertices import (
@@ -155,14 +156,14 @@ def admissible_edges(
 
     The boundary between them holds a convex point (paper: of the boundary simplified with τ_s; ours: the edge's ends do
     not count) and is shorter than ``max_arc`` of the whole; the exterior piece has area above ``min_area``; at least
-    ``min_inside`` of the edge is inside the closed shape. What is within `riot.geometry.polyline.TIE` of a limit
+    ``min_inside`` of the edge is inside the closed shape. What is within `riot.kernels.simplify.TIE` of a limit
     counts as on it, so that rounding does not choose among the trunks of symmetric shapes (ours). ``convex``: the
     shape's `riot.scores.vertices.convex_points`, found if not given.
     """
     lengths = arc_length(shape.points)
     arcs = _arcs(lengths, candidates)
     admissible: BoolArray = (arcs > 0.0) & (arcs < (parameters.max_arc - TIE) * lengths[-1])
-    admissible &= _holds_one_of(candidates, convex_points(shape, parameters) if convex is None else convex)
+    admissible &= _contains_mark(candidates, convex_points(shape, parameters) if convex is None else convex)
     admissible &= exterior_areas(shape.points, candidates) > parameters.min_area + TIE
     shares = inside_shares(shape.points, candidates, admissible, TOUCH)
     admissible &= np.nan_to_num(shares) >= parameters.min_inside - TIE
@@ -186,23 +187,23 @@ def _arcs(lengths: FloatArray, candidates: IntArray) -> FloatArray:
     return arcs
 
 
-def _holds_one_of(candidates: IntArray, marks: IntArray) -> BoolArray:
+def _contains_mark(candidates: IntArray, marks: IntArray) -> BoolArray:
     """(c, c) whether a mark lies strictly between candidates i and j, going forwards."""
     upto = np.searchsorted(marks, candidates, side="right")
     before = np.searchsorted(marks, candidates, side="left")
     between = before[None, :] - upto[:, None]
     between = np.where(candidates[None, :] < candidates[:, None], between + len(marks), between)
-    holds: BoolArray = between > 0
-    return holds
+    contains: BoolArray = between > 0
+    return contains
 
 
-def _overlap(shape: Shape, candidates: IntArray, stretches: FloatArray) -> FloatArray:
+def _overlap(shape: Shape, candidates: IntArray, lengths: FloatArray) -> FloatArray:
     """(c, c) length that the congruent stretches of candidates i and j share on the boundary from i to j.
 
     What of a stretch runs on beyond the other candidate is not on that boundary; negative if they do not meet.
     """
     arcs = _arcs(arc_length(shape.points), candidates)
-    overlap: FloatArray = np.minimum(stretches[:, None], arcs) + np.minimum(stretches[None, :], arcs) - arcs
+    overlap: FloatArray = np.minimum(lengths[:, None], arcs) + np.minimum(lengths[None, :], arcs) - arcs
     return overlap
 
 
@@ -217,18 +218,18 @@ def _assemble(
     """All trunks of up to ``most`` vertices over the admissible edges."""
     points = shape.points[candidates]
     exterior = exterior_areas(shape.points, candidates)
-    parts = []
-    room = parameters.max_trunks
+    found_by_n = []
+    allowed = parameters.max_trunks
     for n in range(3, min(most, parameters.max_vertices) + 1):
-        chosen, longer = enumerate_convex(points, admissible, n, room + 1)
-        if len(chosen) > room:
+        chosen, longer = enumerate_convex(points, admissible, n, allowed + 1)
+        if len(chosen) > allowed:
             break
-        room -= len(chosen)
+        allowed -= len(chosen)
         if len(chosen):
-            parts.append(_describe(points, exterior, candidates, thetas, chosen))
+            found_by_n.append(_describe(points, exterior, candidates, thetas, chosen))
         if not longer:
             break
-    return _join(parts)
+    return _join(found_by_n)
 
 
 def _describe(
@@ -255,16 +256,16 @@ def _describe(
     )
 
 
-def _join(parts: list[Trunks]) -> Trunks:
-    if not parts:
+def _join(groups: list[Trunks]) -> Trunks:
+    if not groups:
         none = np.empty(0)
         return Trunks(np.zeros(1, dtype=np.int64), np.empty(0, dtype=np.int32), none, none, none, none)
-    sizes = np.concatenate([part.sizes for part in parts])
+    sizes = np.concatenate([group.sizes for group in groups])
     return Trunks(
         offsets=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
-        vertices=np.concatenate([part.vertices for part in parts]),
-        edges=np.concatenate([part.edges for part in parts]),
-        alphas=np.concatenate([part.alphas for part in parts]),
-        thetas=np.concatenate([part.thetas for part in parts]),
-        areas=np.concatenate([part.areas for part in parts]),
+        vertices=np.concatenate([group.vertices for group in groups]),
+        edges=np.concatenate([group.edges for group in groups]),
+        alphas=np.concatenate([group.alphas for group in groups]),
+        thetas=np.concatenate([group.thetas for group in groups]),
+        areas=np.concatenate([group.areas for group in groups]),
     )

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.geometry.polyline import TIE, arc_length, interior_angles, simplify, spread
+from riot.geometry.polyline import arc_length, interior_angles, simplify, spread
 from riot.geometry.shape import Shape
 from riot.kernels.congruency import local_turns, longest_congruent
+from riot.kernels.simplify import TIE
 from riot.kernels.visibility import seen_from
 from riot.parameters import TrunkParameters
 from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
 
-SAMPLE_STEP = L_C / 100
+CURVE_SPACING = L_C / 100
 """Sampling step of the stretches whose Fréchet distance is taken (the paper's boundary spacing)."""
 
 
@@ -82,7 +83,7 @@ def congruency(shape: Shape, indices: IntArray, parameters: TrunkParameters) -> 
     limit = sigma * math.sqrt(-2.0 * math.log(parameters.tau_c)) if parameters.tau_c > 0.0 else math.inf
     breaks = lengths[break_points(shape, parameters)]
     shortest = 0.5 * parameters.min_congruent * lengths[-1]
-    length, distance, turn = longest_congruent(shape.points, lengths, indices, breaks, SAMPLE_STEP, limit, shortest).T
+    length, distance, turn = longest_congruent(shape.points, lengths, indices, breaks, CURVE_SPACING, limit, shortest).T
     return Congruency(np.exp(-(distance**2) / (2.0 * sigma**2)), length, turn)
 
 

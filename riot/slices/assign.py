@@ -13,7 +13,8 @@ from riot.construction.trunk_choice import drop_without_contact, find_plans
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
 from riot.parameters import ConstructParameters, RefineParameters
-from riot.scores.qcrs import score_block, stack
+from riot.scores.qcrs import score_block
+from riot.scores.trunk_stack import stack
 from riot.scores.trunks import Trunks, quick_trunks
 from riot.types import FloatArray, IntArray
 

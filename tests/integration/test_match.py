@@ -18,7 +18,8 @@ from pipeline.match.search import open_mined
 from pipeline.match.slices import shortlists
 from riot.geometry.silhouette import read
 from riot.parameters import TrunkParameters
-from riot.scores.qcrs import brute_force, stack
+from riot.scores.qcrs import brute_force
+from riot.scores.trunk_stack import stack
 from riot.scores.trunks import quick_trunks
 
 FOUND, NOTHING, BAD = 0, 1, 2

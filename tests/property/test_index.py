@@ -11,7 +11,8 @@ from test_pair_scores import SEEDS, random_stack
 
 import riot.scores.index
 from riot.scores.index import TrunkIndex, best_pairs, best_partners, join
-from riot.scores.qcrs import BlockScores, TrunkStack, brute_force, stack
+from riot.scores.qcrs import BlockScores, brute_force
+from riot.scores.trunk_stack import TrunkStack, stack
 from riot.scores.trunks import quick_trunks
 
 NAMES = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
@@ -59,7 +60,7 @@ def test_best_pairs_are_those_of_scoring_all(seed: int, count: int) -> None:
 def test_cells_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     everything = stack([quick_trunks(blob(seed, waves=6)) for seed in range(6)])
     found = best_partners(TrunkIndex.build([everything]), everything, 3, itself=range(6))
-    monkeypatch.setattr(riot.scores.index, "CELL", 2)
+    monkeypatch.setattr(riot.scores.index, "CELL_LEAVES", 2)
     index = TrunkIndex.build([everything])
     small = best_partners(index, everything, 3, itself=range(6))
     assert len(index.crowns) > 10

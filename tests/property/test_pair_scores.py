@@ -14,11 +14,12 @@ from hypothesis import strategies as st
 from riot.groundtruth.pairs import exact_pair
 from riot.kernels import leaves as leaf_kernels
 from riot.kernels import search as search_kernels
-from riot.kernels.leaves import FEATURES, LEAF, features
+from riot.kernels.leaves import FEATURES, QCRS_LEAF, features
 from riot.parameters import QcrsParameters
 from riot.scores.crs import gaussian
 from riot.scores.leaves import gather_leaves
-from riot.scores.qcrs import TrunkStack, brute_force, qcrs, score_block, score_pairs, stack
+from riot.scores.qcrs import brute_force, qcrs, score_block, score_pairs
+from riot.scores.trunk_stack import TrunkStack, stack
 from riot.scores.trunks import Trunks, full_trunks, quick_trunks
 from riot.units import D_C
 
@@ -107,8 +108,8 @@ def test_leaves_hold_every_trunk_and_decide_nothing(seed: int) -> None:
     plain = []
     for one in trunks:  # the trunks in the order in which they come, the most foolish leaves there are
         groups = [np.flatnonzero(one.sizes == n).astype(np.int32) for n in np.unique(one.sizes)]
-        parts = [np.resize(g[k : k + LEAF], LEAF) for g in groups for k in range(0, len(g), LEAF)]
-        plain.append(np.array(parts, dtype=np.int32).reshape(-1, LEAF))
+        parts = [np.resize(g[k : k + QCRS_LEAF], QCRS_LEAF) for g in groups for k in range(0, len(g), QCRS_LEAF)]
+        plain.append(np.array(parts, dtype=np.int32).reshape(-1, QCRS_LEAF))
     good, poor = stack(trunks), stack(trunks, plain)
     for name in NAMES:
         assert np.array_equal(getattr(score_block(good, good), name), getattr(score_block(poor, poor), name)), name
@@ -128,7 +129,7 @@ def test_contrasts_bound_the_distance_at_every_shift(seed: int, n: int) -> None:
 
 
 def test_kernels_agree_on_the_layout_of_leaves() -> None:
-    for name in ("LEAF", "WIDE", "EDGES", "ANGLES", "FEATURES"):
+    for name in ("QCRS_LEAF", "TILE_LEAVES", "EDGE_CONTRASTS", "ANGLE_CONTRASTS", "FEATURES", "CORNER_VALUES"):
         assert getattr(leaf_kernels, name) == getattr(search_kernels, name), name
 
 

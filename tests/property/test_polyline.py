@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot.geometry import polyline
-from riot.kernels.simplify import halved
+from riot.kernels.simplify import TIE, halved
 from riot.types import FloatArray
 
 
@@ -77,7 +77,7 @@ def test_midpoints_are_closer_than_the_spacing(seed: int, spacing: float) -> Non
 
 def plainly_farthest(points: FloatArray, origin: FloatArray) -> int:
     square = ((points - origin) ** 2).sum(axis=1)
-    tied = np.flatnonzero(square >= square.max() * (1.0 - polyline.TIE))
+    tied = np.flatnonzero(square >= square.max() * (1.0 - TIE))
     return int(tied[np.lexsort((points[tied, 1], points[tied, 0]))[0]])
 
 

@@ -9,8 +9,9 @@ from scipy.stats import kendalltau
 
 from riot.parameters import QCRS_VARIANTS, QcrsParameters
 from riot.scores.crs import crs
-from riot.scores.qcrs import brute_force, qcrs, score_block, stack
+from riot.scores.qcrs import brute_force, qcrs, score_block
 from riot.scores.reversibility import Reversibility
+from riot.scores.trunk_stack import stack
 from riot.scores.trunks import Trunks, compared_trunks, full_trunks, quick_trunks
 
 SHAPES = [blob(seed, waves=6) for seed in range(8)]
