@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from floors import Floor
 from inputs import Size
-from measure import parts
+from measure import time_shares
 from table import Row, row
 
 from pipeline.config.schema import ClusterConfig, Config
@@ -86,7 +86,7 @@ def _row(plan: Progress, root: Path, stacks: list[TrunkStack], jobs: list[Job], 
         where = ""
         staged = [_stage(plan, root, SyncExecutor(), time.process_time) for _ in range(size.repeats)]
         bare = [_bare(stacks, jobs) for _ in range(size.repeats)]
-        share = parts(lambda _: _stage(plan, root, SyncExecutor(), time.process_time), [0])
+        share = time_shares(lambda _: _stage(plan, root, SyncExecutor(), time.process_time), [0])
     else:
         where, share = f" on {workers} processes", "wall time × processes"
         with open_cluster(ClusterConfig(kind="local", workers=workers)) as executor:

@@ -91,10 +91,10 @@ def necks_floor(concave: float, points: float, rates: Rates) -> Floor:
     return Floor(4e3 * concave * points / rates.differences, counts, f"{concave * points:.0f} ratios of distances")
 
 
-def trunks_floor(found: list[Trunks], rates: Rates) -> Floor:
+def trunks_floor(shapes: list[Trunks], rates: Rates) -> Floor:
     """Length and angle of every corner that is given back, and its bytes written once."""
-    corners = float(np.mean([len(trunks.edges) for trunks in found]))
-    trunks = float(np.mean([len(trunks) for trunks in found]))
+    corners = float(np.mean([len(trunks.edges) for trunks in shapes]))
+    trunks = float(np.mean([len(trunks) for trunks in shapes]))
     written = CORNER_BYTES * corners + TRUNK_BYTES * trunks
     ms = 1e3 * max(corners / rates.corners, written / rates.bytes)
     counts = {"trunks": trunks, "corners": corners, "bytes": written}
@@ -103,8 +103,8 @@ def trunks_floor(found: list[Trunks], rates: Rates) -> Floor:
 
 def stack_floor(stacks: list[TrunkStack], rates: Rates) -> Floor:
     """The bytes of the stacks, read once and written once."""
-    moved = 2.0 * sum(array.nbytes for each in stacks for array in each.to_arrays().values())
-    moved /= sum(len(each) for each in stacks)
+    moved = 2.0 * sum(array.nbytes for stack in stacks for array in stack.to_arrays().values())
+    moved /= sum(len(stack) for stack in stacks)
     return Floor(1e3 * moved / rates.bytes, {"bytes": moved}, f"{moved / 1e3:.0f} kB read and written")
 
 
@@ -147,8 +147,8 @@ def quick_floor(a: TrunkStack, scores: BlockScores, rates: Rates, parameters: Qc
     read = 2.0 * stack_bytes / 32
     ms = 1e3 * max(differences / rates.differences, read / rates.bytes)
     says = f"{trunk_pairs:.3g} trunk pairs, {window:.3g} in the area window, {survivors:.3g} no bound excludes"
-    found = {"trunk_pairs": trunk_pairs, "area_window": window, "survivors": survivors}
-    return Floor(ms, {**found, "differences": differences, "bytes": read}, says)
+    counted = {"trunk_pairs": trunk_pairs, "area_window": window, "survivors": survivors}
+    return Floor(ms, {**counted, "differences": differences, "bytes": read}, says)
 
 
 @kernel

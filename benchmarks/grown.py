@@ -74,8 +74,8 @@ def turned(points: FloatArray, rng: np.random.Generator) -> FloatArray:
     angle = rng.uniform(0.0, 2.0 * np.pi)
     cosine, sine = np.cos(angle), np.sin(angle)
     flip = 1.0 if rng.random() < 0.5 else -1.0
-    found: FloatArray = points @ np.array([[cosine, sine], [-sine * flip, cosine * flip]])
-    return found
+    image: FloatArray = points @ np.array([[cosine, sine], [-sine * flip, cosine * flip]])
+    return image
 
 
 def _spread(count: int) -> list[int]:

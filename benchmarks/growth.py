@@ -181,9 +181,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 print(_line(costs[-1]), flush=True)
     if chosen.json:
         settings = {name: getattr(chosen, name) for name in ("batch", "workers", "fraction")}
-        found = {"pictures": len(paths), "refused": whole.refused, "trunk_cpu_s": whole.trunk_cpu_s}
+        collection = {"pictures": len(paths), "refused": whole.refused, "trunk_cpu_s": whole.trunk_cpu_s}
         figures = [{**asdict(cost), "ms_per_pair": cost.ms_per_pair} for cost in costs]
-        document = {"format": FORMAT, **settings, **found, "costs": figures}
+        document = {"format": FORMAT, **settings, **collection, "costs": figures}
         chosen.json.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
     if chosen.plot:
         from growth_plot import draw
@@ -198,14 +198,14 @@ def make_collection(
     """Grow ``count`` shapes and some more, and store their quick trunks; the refused are left out."""
     everyone = members(paths, count + ADDED)
     batches = [everyone[start : min(start + batch, count)] for start in range(0, count, batch)]
-    jobs = [(part, folder / f"batch-{k:05d}.npz") for k, part in enumerate(batches)]
+    jobs = [(group, folder / f"batch-{k:05d}.npz") for k, group in enumerate(batches)]
     jobs += [([member], folder / f"added-{member.number}.npz") for member in everyone[count:]]
-    made = []
+    results = []
     for k, result in enumerate(pool.map(_make_batch, jobs)):
-        made.append(result)
+        results.append(result)
         if k % 20 == 19:
             _say(f"trunks of {k + 1} of {len(jobs)} batches")
-    sizes = [good for good, _ in made]
+    sizes = [good for good, _ in results]
     number = len(batches)
     return Collection(
         tuple(file for (_, file), good in zip(jobs[:number], sizes, strict=False) if good),
@@ -213,15 +213,15 @@ def make_collection(
         batch,
         tuple(file for (_, file), good in zip(jobs[number:], sizes[number:], strict=True) if good),
         count - sum(sizes[:number]),
-        sum(seconds for _, seconds in made),
+        sum(seconds for _, seconds in results),
     )
 
 
 def _make_batch(job: tuple[list[Member], Path]) -> tuple[int, float]:
     """Store one batch; returns how many shapes it has, and the CPU seconds."""
     start = time.process_time()
-    found = [grown_trunks(member) for member in job[0]]
-    good = [trunks for trunks in found if trunks is not None]
+    members = [grown_trunks(member) for member in job[0]]
+    good = [trunks for trunks in members if trunks is not None]
     if good:
         with job[1].open("wb") as stream:
             np.savez(stream, allow_pickle=False, **stack(good).to_arrays())
@@ -241,27 +241,27 @@ def _block(files: tuple[Path, Path]) -> tuple[int, float, float]:
 def _partners(files: Sequence[Path], queries: int) -> tuple[int, int, float, float]:
     """Index all batches, look for partners; pairs compared, shapes asked for, CPU seconds, those of indexing."""
     start = time.process_time()
-    parts = []
+    stacks = []
     for file in files:
         with np.load(file) as arrays:
-            parts.append(TrunkStack.from_arrays({name: arrays[name] for name in arrays.files}))
-    index = TrunkIndex.build(parts)
+            stacks.append(TrunkStack.from_arrays({name: arrays[name] for name in arrays.files}))
+    index = TrunkIndex.build(stacks)
     prepared = time.process_time()
     chosen = np.unique(np.linspace(0, len(index) - 1, min(queries, len(index))).astype(np.int64)).tolist()
-    everyone = [(part, i) for part in parts for i in range(len(part))]
+    everyone = [(stack, i) for stack in stacks for i in range(len(stack))]
     compared = 0
     for number in chosen:
-        part, i = everyone[number]
-        compared += best_partners(index, part.shape(i), PARTNERS, itself=[number]).compared
+        stack, i = everyone[number]
+        compared += best_partners(index, stack.shape(i), PARTNERS, itself=[number]).compared
     return compared, len(chosen), time.process_time() - start, prepared - start
 
 
 def _load(file: Path) -> TrunkStack:
     with np.load(file) as arrays:
-        made = TrunkStack.from_arrays({name: arrays[name] for name in arrays.files})
+        loaded = TrunkStack.from_arrays({name: arrays[name] for name in arrays.files})
     # Scored with a shape without trunks, which costs next to nothing: what is laid out once is laid out now.
-    score_block(made, stack([NO_TRUNKS]))
-    return made
+    score_block(loaded, stack([NO_TRUNKS]))
+    return loaded
 
 
 def _line(cost: Cost) -> str:
@@ -274,10 +274,10 @@ def _line(cost: Cost) -> str:
 
 
 def _numbers(text: str) -> list[int]:
-    found = [int(part) for part in text.split(",")]
-    if min(found) < 2:
+    numbers = [int(number) for number in text.split(",")]
+    if min(numbers) < 2:
         raise argparse.ArgumentTypeError("a collection has two shapes at least")
-    return found
+    return numbers
 
 
 def _say(message: str) -> None:

@@ -18,7 +18,7 @@ from riot.errors import RiotError
 T = TypeVar("T")
 R = TypeVar("R")
 
-PARTS = 3
+NAMED_FUNCTIONS = 3
 """So many parts are named of what a step spends its time on."""
 
 
@@ -40,7 +40,7 @@ class Timed(Generic[R]):
         return float(np.mean(self.ms)) if self.ms else float("nan")
 
 
-def each(function: Callable[[T], R], items: Sequence[T], repeats: int = 1) -> Timed[R]:
+def time_items(function: Callable[[T], R], items: Sequence[T], repeats: int = 1) -> Timed[R]:
     """Call ``function`` for every item; of several rounds over all items each item's least time counts."""
     results: list[R | None] = [None] * len(items)
     least = [float("inf")] * len(items)
@@ -65,7 +65,7 @@ def least_seconds(function: Callable[[], object], repeats: int = 5) -> float:
     return least
 
 
-def parts(function: Callable[[T], object], items: Sequence[T]) -> str:
+def time_shares(function: Callable[[T], object], items: Sequence[T]) -> str:
     """Which functions the time is spent in, with their shares, under a profiler.
 
     The library's functions by module and name, everything else by package; a compiled kernel counts with the function
@@ -83,12 +83,12 @@ def parts(function: Callable[[T], object], items: Sequence[T]) -> str:
     profile.disable()
     spent: Counter[str] = Counter()
     for (file, _, name), (_, _, own, _, _) in pstats.Stats(profile).stats.items():  # type: ignore[attr-defined]
-        spent[_room(file, name)] += own
+        spent[_module_of(file, name)] += own
     total = sum(spent.values())
-    return ", ".join(f"{room} {100 * own / total:.0f} %" for room, own in spent.most_common(PARTS))
+    return ", ".join(f"{room} {100 * own / total:.0f} %" for module, own in spent.most_common(NAMED_FUNCTIONS))
 
 
-def _room(file: str, name: str) -> str:
+def _module_of(file: str, name: str) -> str:
     where = Path(file)
     if "riot" in where.parts:
         inside = where.parts[len(where.parts) - 1 - where.parts[::-1].index("riot") + 1 :]

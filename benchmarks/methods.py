@@ -25,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 from inputs import SIZES, pictures, render
-from measure import each
+from measure import time_items
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -140,7 +140,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def compare(plans: Sequence[ConstructionPlan]) -> list[Compared]:
     """Construct on every plan in every way."""
-    timed = {name: each(way, plans) for name, way in WAYS.items()}
+    timed = {name: time_items(way, plans) for name, way in WAYS.items()}
     compared = []
     for k, plan in enumerate(plans):
         ways = {name: _figures(way.results[k], way.ms[k]) for name, way in timed.items()}
@@ -218,7 +218,7 @@ def quantiles(found: Sequence[Compared], way: str) -> dict[str, dict[str, float]
         return {}
     return {
         name: {
-            words: float(np.quantile([getattr(each, name) for each in common], 1.0 - q if name == "iou" else q))
+            words: float(np.quantile([getattr(outcome, name) for outcome in common], 1.0 - q if name == "iou" else q))
             for words, q in QUANTILES.items()
         }
         for name in WORDS

@@ -94,8 +94,8 @@ def _overlay_areas(target: FloatArray, arcs: FloatArray, offsets: IntArray) -> t
         return _overlay_windings(trunk, regions)
     inside = [region.intersection(trunk) for region in regions]
     covered = shapely.union_all(inside).area
-    outside = sum(region.area for region in regions) - sum(part.area for part in inside)
-    return trunk.area - covered, sum(part.area for part in inside) - covered, outside
+    outside = sum(region.area for region in regions) - sum(region.area for region in inside)
+    return trunk.area - covered, sum(region.area for region in inside) - covered, outside
 
 
 def _overlay_windings(trunk: shapely.Polygon, regions: list[shapely.Polygon]) -> tuple[float, float, float]:

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from floors import Floor, Rates, brute_floor, quick_floor, stack_floor
 from inputs import Size
-from measure import each, least_seconds, parts
+from measure import least_seconds, time_items, time_shares
 from overlay import overlay_best_trunk_pairs
 from shape_steps import Shapes
 from table import Row, row
@@ -60,19 +60,19 @@ class Block:
 def quick_steps(quick: Sequence[Trunks], size: Size, rates: Rates) -> tuple[list[Row], list[tuple[int, int]]]:
     """QCRS of all pairs and by brute force of some; the pairs with a score, in its order."""
     starts = range(0, len(quick), size.batch)
-    prepared = each(_prepare, [quick[start : start + size.batch] for start in starts], size.repeats)
-    per_shape = [ms / len(part) for ms, part in zip(prepared.ms, prepared.good, strict=True)]
+    prepared = time_items(_prepare, [quick[start : start + size.batch] for start in starts], size.repeats)
+    per_shape = [ms / len(batch) for ms, batch in zip(prepared.ms, prepared.good, strict=True)]
     stacks = dict(zip(starts, prepared.good, strict=True))
     blocks = [Block(stacks[a], stacks[b], a, b) for a in starts for b in starts if a <= b]
-    timed = each(Block.score, blocks, size.repeats)
-    found = timed.good
-    pairs = sum(len(scores.score) for scores in found)
-    ms = [ms / len(scores.score) for ms, scores in zip(timed.ms, found, strict=True) if len(scores.score)]
+    timed = time_items(Block.score, blocks, size.repeats)
+    scored = timed.good
+    pairs = sum(len(scores.score) for scores in scored)
+    ms = [ms / len(scores.score) for ms, scores in zip(timed.ms, scored, strict=True) if len(scores.score)]
 
     chosen = np.unique(np.linspace(0, len(quick) - 1, min(size.brute_shapes, len(quick))).astype(np.int64))
     some = stack([quick[k] for k in chosen])
-    fast = each(lambda _: score_block(some, some, None, True), [0], max(3, size.repeats))
-    slow = each(lambda _: brute_force(some, some, None, True), [0])
+    fast = time_items(lambda _: score_block(some, some, None, True), [0], max(3, size.repeats))
+    slow = time_items(lambda _: brute_force(some, some, None, True), [0])
     pruned, brute = fast.good[0], slow.good[0]
     compared = len(brute.score)
     agree = same_winners(pruned, brute)
@@ -83,7 +83,7 @@ def quick_steps(quick: Sequence[Trunks], size: Size, rates: Rates) -> tuple[list
             mean=sum(prepared.ms) / len(quick),
             items=len(quick),
             floor=stack_floor(prepared.good, rates),
-            bounded_by=parts(_prepare, [quick[: size.batch]]),
+            bounded_by=time_shares(_prepare, [quick[: size.batch]]),
             note=f"once for all pairs of a batch; quantiles over {len(per_shape)} batches",
         ),
         row(
@@ -97,7 +97,7 @@ def quick_steps(quick: Sequence[Trunks], size: Size, rates: Rates) -> tuple[list
             reference_ms=brute_ms,
             ratio=slow.ms[0] / fast.ms[0],
             floor=quick_floor(some, pruned, rates),
-            bounded_by=parts(Block.score, blocks[:3]),
+            bounded_by=time_shares(Block.score, blocks[:3]),
             agree=agree,
             note=f"quantiles over {len(ms)} blocks",
         ),
@@ -108,28 +108,28 @@ def quick_steps(quick: Sequence[Trunks], size: Size, rates: Rates) -> tuple[list
             bounded_by="sums of differences",
         ),
     ]
-    return rows, _ranked(blocks, found)
+    return rows, _ranked(blocks, scored)
 
 
 def _prepare(trunks: Sequence[Trunks]) -> TrunkStack:
     """Stack and lay out a batch; scored with a shape without trunks, which costs next to nothing."""
-    made = stack(trunks)
-    score_block(made, stack([NO_TRUNKS]))
-    return made
+    prepared = stack(trunks)
+    score_block(prepared, stack([NO_TRUNKS]))
+    return prepared
 
 
-def same_winners(one: BlockScores, other: BlockScores) -> bool:
+def same_winners(scores: BlockScores, other: BlockScores) -> bool:
     """Whether scores are equal within `AGREE`, and the trunk pairs that give them are the same."""
     names = ("i", "j", "n", "trunk_i", "trunk_j", "shift")
-    same = all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
-    return same and bool(np.abs(one.score - other.score).max(initial=0.0) <= AGREE)
+    same = all(np.array_equal(getattr(scores, name), getattr(other, name)) for name in names)
+    return same and bool(np.abs(scores.score - other.score).max(initial=0.0) <= AGREE)
 
 
-def _ranked(blocks: Sequence[Block], found: Sequence[BlockScores]) -> list[tuple[int, int]]:
+def _ranked(blocks: Sequence[Block], scored: Sequence[BlockScores]) -> list[tuple[int, int]]:
     """Pairs with a score, the best first; among equals the first by (i, j)."""
     listed = [
         (-float(score), int(i) + block.start_a, int(j) + block.start_b)
-        for block, scores in zip(blocks, found, strict=True)
+        for block, scores in zip(blocks, scored, strict=True)
         for i, j, score in zip(scores.i, scores.j, scores.score, strict=True)
         if score > 0.0
     ]
@@ -151,8 +151,8 @@ class Pair:
 
     def overlaid(self) -> list[float]:
         """Their scores by polygon overlay."""
-        found = overlay_best_trunk_pairs(self.p, self.q, self.trunks_p, self.trunks_q, count=WANTED)
-        return [math.exp(-0.5 * score.distance**2) for score in found]
+        best = overlay_best_trunk_pairs(self.p, self.q, self.trunks_p, self.trunks_q, count=WANTED)
+        return [math.exp(-0.5 * score.distance**2) for score in best]
 
 
 def cross_steps(given: Shapes, ranked: Sequence[tuple[int, int]], size: Size, rates: Rates) -> list[Row]:
@@ -161,9 +161,9 @@ def cross_steps(given: Shapes, ranked: Sequence[tuple[int, int]], size: Size, ra
     pairs = [Pair(given.shapes[i], given.shapes[j], given.full[i], given.full[j]) for i, j in chosen]
     if not pairs:
         return []
-    crs = each(Pair.cross, pairs, size.repeats)
+    crs = time_items(Pair.cross, pairs, size.repeats)
     few = pairs[: size.overlay_pairs]
-    overlaid = each(Pair.overlaid, few)
+    overlaid = time_items(Pair.overlaid, few)
     tolerance = AREA_SLACK / CrsParameters().sigma_area
     agree = all(
         len(exact) == len(scores)
@@ -180,7 +180,7 @@ def cross_steps(given: Shapes, ranked: Sequence[tuple[int, int]], size: Size, ra
             reference_ms=overlaid.mean,
             ratio=sum(overlaid.ms) / sum(crs.ms[: len(few)]),
             floor=_cross_floor(pairs, crs.good),
-            bounded_by=parts(Pair.cross, pairs[:12]),
+            bounded_by=time_shares(Pair.cross, pairs[:12]),
             agree=agree,
             note=f"{evaluations:.0f} area terms begun",
         )
@@ -189,10 +189,10 @@ def cross_steps(given: Shapes, ranked: Sequence[tuple[int, int]], size: Size, ra
     return [*rows, _construct_row(ready, size, crs.mean)] if ready else rows
 
 
-def _cross_floor(pairs: Sequence[Pair], found: Sequence[list[CrossScore]]) -> Floor:
+def _cross_floor(pairs: Sequence[Pair], scored: Sequence[list[CrossScore]]) -> Floor:
     """The area terms of those trunk pairs only that are given back, both ways."""
     terms, seconds, lines = 0, 0.0, CrsParameters().lines
-    for pair, scores in zip(pairs, found, strict=True):
+    for pair, scores in zip(pairs, scored, strict=True):
         for n in sorted({score.n for score in scores}):
             rows_p = np.array([score.trunk_a for score in scores if score.n == n])
             rows_q = np.array([score.trunk_b for score in scores if score.n == n])
@@ -204,25 +204,25 @@ def _cross_floor(pairs: Sequence[Pair], found: Sequence[list[CrossScore]]) -> Fl
 
 
 def _construct_row(ready: Sequence[tuple[Pair, list[CrossScore]]], size: Size, crs_ms: float) -> Row:
-    made = each(_construct, ready, min(size.repeats, 2))
-    transforms = made.good
+    constructions = time_items(_construct, ready, min(size.repeats, 2))
+    transforms = constructions.good
     seconds = sum(least_seconds(partial(_unions, transform), 3) for transform in transforms)
     floor = None
     if transforms:
-        points = float(np.mean([sum(len(piece.polygon) for piece in each.pieces) for each in transforms]))
+        points = float(np.mean([sum(len(piece.polygon) for piece in transform.pieces) for transform in transforms]))
         counts = {"polygon_points": points}
         floor = Floor(1e3 * seconds / len(transforms), counts, f"the two unions of the pieces, {points:.0f} points")
     iou = [measure_deformation(transform).iou for transform in transforms]
     certified = all(certify(transform).passed for transform in transforms)
     return row(
-        *("construction", "pair", made.ms),
+        *("construction", "pair", constructions.ms),
         failed=len(ready) - len(transforms),
         paper_ms=131_000.0,
         target_ms=300.0,
         reference="CRS of the same pairs",
         reference_ms=crs_ms,
         floor=floor,
-        bounded_by=parts(_construct, ready[:12]),
+        bounded_by=time_shares(_construct, ready[:12]),
         note=f"{'all' if certified else 'NOT all'} certified, median IoU {np.median(iou):.3f}" if iou else "",
     )
 
@@ -237,4 +237,4 @@ def _construct(item: tuple[Pair, list[CrossScore]]) -> Transform:
 
 def _unions(transform: Transform) -> None:
     for t in (0.0, 1.0):
-        shapely.union_all([shapely.Polygon(part) for part in transform.parts(transform.pose(t))])
+        shapely.union_all([shapely.Polygon(piece) for piece in transform.parts(transform.pose(t))])

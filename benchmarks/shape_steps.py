@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from floors import Rates, necks_floor, picture_floor, trunks_floor
 from inputs import Size
-from measure import Timed, each, parts
+from measure import Timed, time_items, time_shares
 from PIL import Image
 from table import Row, row
 
@@ -35,8 +35,8 @@ class Shapes:
 
 def shape_steps(paths: Sequence[Path], size: Size, rates: Rates) -> tuple[list[Row], Shapes]:
     """Rows of the steps on one shape, and the shapes with their trunks."""
-    decoded = each(_decode, paths, size.repeats)
-    ingest = each(read, paths, size.repeats)
+    decoded = time_items(_decode, paths, size.repeats)
+    ingest = time_items(read, paths, size.repeats)
     shapes = ingest.good
     points = float(np.mean([len(shape.points) for shape in shapes]))
     pixels = float(np.mean(decoded.good))
@@ -49,12 +49,12 @@ def shape_steps(paths: Sequence[Path], size: Size, rates: Rates) -> tuple[list[R
             reference="decoding the file with Pillow",
             reference_ms=decoded.mean,
             floor=picture_floor(decoded.mean, pixels, file_bytes, rates),
-            bounded_by=parts(read, paths[:PROFILED]),
+            bounded_by=time_shares(read, paths[:PROFILED]),
             note=f"{points:.0f} points",
         )
     ]
 
-    scores = each(reversibility, shapes, size.repeats)
+    scores = time_items(reversibility, shapes, size.repeats)
     tolerance = ReversibilityParameters().simplify * L_C
     concave = float(np.mean([len(concave_points(shape.points, tolerance)) for shape in shapes]))
     rows.append(
@@ -65,7 +65,7 @@ def shape_steps(paths: Sequence[Path], size: Size, rates: Rates) -> tuple[list[R
             reference="decoding the file with Pillow",
             reference_ms=decoded.mean,
             floor=necks_floor(concave, points, rates),
-            bounded_by=parts(reversibility, shapes[:PROFILED]),
+            bounded_by=time_shares(reversibility, shapes[:PROFILED]),
         )
     )
 
@@ -85,19 +85,19 @@ def _trunk_step(
     paper_ms: float | None,
     reference: tuple[str, float],
 ) -> tuple[Timed[Trunks], Row]:
-    found = each(find, shapes, size.repeats)
-    if len(found.good) < len(shapes):
+    trunks = time_items(find, shapes, size.repeats)
+    if len(trunks.good) < len(shapes):
         raise RuntimeError(f"{name}: a shape failed; trunks never fail on a proper shape")
-    made = row(
-        *(name, "shape", found.ms),
+    steps = row(
+        *(name, "shape", trunks.ms),
         paper_ms=paper_ms,
         target_ms=target_ms,
         reference=f"{reference[0]} of the same shapes",
         reference_ms=reference[1],
-        floor=trunks_floor(found.good, rates),
-        bounded_by=parts(find, shapes[:PROFILED]),
+        floor=trunks_floor(trunks.good, rates),
+        bounded_by=time_shares(find, shapes[:PROFILED]),
     )
-    return found, made
+    return trunks, steps
 
 
 def _decode(path: Path) -> int:

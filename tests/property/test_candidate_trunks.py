@@ -50,9 +50,9 @@ def test_visible_area_matches_ray_casting(seed: int) -> None:
     points = blob_polygon(seed, waves=7, depth=0.5, count=60)
     points = points / math.sqrt(shapely.Polygon(points).area)
     indices = np.array([0, 17, 41])
-    found = seen_from(points, arc_length(points), indices)
+    views = seen_from(points, arc_length(points), indices)
     for row, k in enumerate(indices):
-        assert found[row, 0] == pytest.approx(visible_area(points, int(k)), abs=4e-3)
+        assert views[row, 0] == pytest.approx(visible_area(points, int(k)), abs=4e-3)
 
 
 def plainly_seen(points: np.ndarray, k: int) -> tuple[float, float, float]:
@@ -94,15 +94,15 @@ def plainly_seen(points: np.ndarray, k: int) -> tuple[float, float, float]:
             area += 0.5 * abs(start_x * end_y - start_y * end_x)
             base = (lengths[edge] - lengths[k]) % lengths[-1]
             window = np.hypot(start_x - last_x, start_y - last_y)
-            stretch = base + start_s - last_s
-            hidden = max(hidden, stretch if stretch > window * (1.0 + 1e-9) else 0.0)
+            section = base + start_s - last_s
+            hidden = max(hidden, section if section > window * (1.0 + 1e-9) else 0.0)
             perimeter += window
             perimeter += np.hypot(end_x - start_x, end_y - start_y)
             last_x, last_y, last_s = end_x, end_y, base + end_s
         low = high
     window = np.hypot(bx - last_x, by - last_y)
-    stretch = lengths[-1] - (lengths[before + 1] - lengths[before]) - last_s
-    hidden = max(hidden, stretch if stretch > window * (1.0 + 1e-9) else 0.0)
+    section = lengths[-1] - (lengths[before + 1] - lengths[before]) - last_s
+    hidden = max(hidden, section if section > window * (1.0 + 1e-9) else 0.0)
     return area, perimeter + window, hidden
 
 
@@ -125,9 +125,9 @@ def seen_polygons(kind: str, seed: int) -> np.ndarray:
 def test_the_sweep_sees_what_trying_every_edge_for_every_ray_does(kind: str, seed: int, k: int) -> None:
     points = seen_polygons(kind, seed)
     k %= len(points)
-    found = seen_from(points, arc_length(points), np.array([k]))[0]
+    view = seen_from(points, arc_length(points), np.array([k]))[0]
     # Not to the bit: NumPy's vectorised arctan2 differs from the kernel's in the last place.
-    assert found.tolist() == pytest.approx(plainly_seen(points, k), rel=1e-13, abs=1e-13)
+    assert view.tolist() == pytest.approx(plainly_seen(points, k), rel=1e-13, abs=1e-13)
 
 
 def test_convex_shape_is_seen_whole() -> None:
@@ -170,10 +170,10 @@ def test_symmetric_point_is_congruent_with_itself() -> None:
     # down to the corners, where the last sample turns off.
     triangle = Shape.from_polygon([[-1.0, 0.0], [1.0, 0.0], [0.0, 3.0]])
     top = int(triangle.points[:, 1].argmax())
-    found = congruency(triangle, np.array([top]), TrunkParameters())
-    assert found.turn[0] == pytest.approx(2.0 * math.pi - 2.0 * math.atan2(1.0, 3.0), abs=0.01)
-    assert found.score[0] > 0.95
-    assert found.length[0] > 0.3 * triangle.perimeter
+    congruent = congruency(triangle, np.array([top]), TrunkParameters())
+    assert congruent.turn[0] == pytest.approx(2.0 * math.pi - 2.0 * math.atan2(1.0, 3.0), abs=0.01)
+    assert congruent.score[0] > 0.95
+    assert congruent.length[0] > 0.3 * triangle.perimeter
 
 
 def is_convex(corners: np.ndarray) -> bool:
@@ -187,7 +187,7 @@ def is_convex(corners: np.ndarray) -> bool:
 def test_enumeration_matches_combinations(seed: int) -> None:
     shape = blob(seed)
     parameters = TrunkParameters(spacing=4.0, sparse_tolerance=0.08)
-    found = quick_trunks(shape, parameters)
+    trunks = quick_trunks(shape, parameters)
     candidates = sparse_points(shape, parameters)
     candidates = candidates[passes_visibility(shape, candidates)]
     admissible = admissible_edges(shape, candidates, parameters)
@@ -198,8 +198,8 @@ def test_enumeration_matches_combinations(seed: int) -> None:
             allowed = all(admissible[chosen[k], chosen[(k + 1) % n]] for k in range(n))
             if allowed and is_convex(shape.points[candidates[list(chosen)]]):
                 expected.add(tuple(candidates[list(chosen)].tolist()))
-    assert {tuple(found.of(t).tolist()) for t in range(len(found))} == expected
-    assert len(expected) == len(found) > 0
+    assert {tuple(trunks.of(t).tolist()) for t in range(len(trunks))} == expected
+    assert len(expected) == len(trunks) > 0
 
 
 def test_too_many_trunks_of_one_size_end_the_enumeration() -> None:
@@ -232,13 +232,13 @@ def test_every_trunk_keeps_the_papers_conditions(seed: int) -> None:
     polygon = shapely.Polygon(shape.points).buffer(1e-9)
     lengths = arc_length(shape.points)
     convex = convex_points(shape, parameters)
-    for found in (quick_trunks(shape, parameters), full_trunks(shape, parameters)):
-        for t in np.linspace(0, len(found) - 1, min(8, len(found))).astype(int):
-            trunk = found.of(int(t))
+    for trunks in (quick_trunks(shape, parameters), full_trunks(shape, parameters)):
+        for t in np.linspace(0, len(trunks) - 1, min(8, len(trunks))).astype(int):
+            trunk = trunks.of(int(t))
             corners = shape.points[trunk]
             assert is_convex(corners)
             assert 3 <= len(trunk) <= len(convex)
-            assert found.areas[t] == pytest.approx(_trunk_area_from_pieces(shape, trunk), abs=1e-9)
+            assert trunks.areas[t] == pytest.approx(_trunk_area_from_pieces(shape, trunk), abs=1e-9)
             for k, start in enumerate(trunk):
                 stop = trunk[(k + 1) % len(trunk)]
                 edge = shapely.LineString([shape.points[start], shape.points[stop]])
@@ -289,9 +289,9 @@ def test_symmetric_stars_do_not_lose_trunks_by_rounding(move: str) -> None:
     c, s = math.cos(0.7), math.sin(0.7)
     moved = {"turn": points @ np.array([[c, s], [-s, c]]), "scale": 137.3 * points, "mirror": points * [-1.0, 1.0]}
     before, after = Shape.from_polygon(points), Shape.from_polygon(moved[move])
-    for found in (quick_trunks, full_trunks):
-        assert len(found(before)) == len(found(after)) > 0
-        assert found(after).areas == pytest.approx(found(before).areas, abs=1e-9)
+    for trunks_of in (quick_trunks, full_trunks):
+        assert len(trunks_of(before)) == len(trunks_of(after)) > 0
+        assert trunks_of(after).areas == pytest.approx(trunks_of(before).areas, abs=1e-9)
 
 
 @given(st.floats(0.0, 6.28))
@@ -316,10 +316,10 @@ def test_edges_along_a_straight_side_are_inside(angle: float) -> None:
 def test_congruent_stretches_of_neighbours_share_little_of_the_boundary_between_them(seed: int) -> None:
     shape, parameters = blob(seed, waves=6), TrunkParameters()
     lengths = arc_length(shape.points)
-    found = full_trunks(shape, parameters)
-    assert len(found) > 0
-    for t in range(0, len(found), 7):
-        trunk = found.of(t)
+    trunks = full_trunks(shape, parameters)
+    assert len(trunks) > 0
+    for t in range(0, len(trunks), 7):
+        trunk = trunks.of(t)
         reach = congruency(shape, trunk, parameters).length
         for k, start in enumerate(trunk):
             after = (k + 1) % len(trunk)
@@ -329,11 +329,11 @@ def test_congruent_stretches_of_neighbours_share_little_of_the_boundary_between_
 
 
 def test_trunks_are_ordered_and_survive_arrays() -> None:
-    found = full_trunks(blob(5))
-    order = list(zip(found.sizes, found.areas, strict=True))
+    trunks = full_trunks(blob(5))
+    order = list(zip(trunks.sizes, trunks.areas, strict=True))
     assert order == sorted(order)
-    again = Trunks.from_arrays(found.to_arrays())
-    assert all(np.array_equal(value, again.to_arrays()[name]) for name, value in found.to_arrays().items())
+    again = Trunks.from_arrays(trunks.to_arrays())
+    assert all(np.array_equal(value, again.to_arrays()[name]) for name, value in trunks.to_arrays().items())
 
 
 def test_long_thin_shape_may_have_no_trunk() -> None:

@@ -48,7 +48,7 @@ def overlaid(target: np.ndarray, arcs: np.ndarray, offsets: np.ndarray) -> tuple
     inside = [region.intersection(trunk) for region in regions]
     covered = shapely.union_all(inside).area
     outside = sum(region.difference(trunk).area for region in regions)
-    return trunk.area - covered, sum(part.area for part in inside) - covered, outside
+    return trunk.area - covered, sum(region.area for region in inside) - covered, outside
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -108,12 +108,12 @@ def brute_crs(
     a: Shape, b: Shape, trunks_a: Trunks, trunks_b: Trunks, p: CrsParameters
 ) -> list[tuple[float, tuple[int, int, int], float]]:
     """(distance, (T, T', shift), d_A) of all candidates, in order: the reference without pruning."""
-    found = []
+    candidates = []
     for t, u, s, terms in plain_candidates(a, b, trunks_a, trunks_b, p):
         corners_b = np.ascontiguousarray(corresponding(trunks_b.of(u), s)[None])
         area = float(area_terms(a.points, b.points, trunks_a.of(t)[None], corners_b, p.lines).max())
-        found.append((max(terms, area / p.sigma_area), (t, u, s), area))
-    return sorted(found)
+        candidates.append((max(terms, area / p.sigma_area), (t, u, s), area))
+    return sorted(candidates)
 
 
 def thinned(trunks: Trunks, count: int, times: int = 1) -> Trunks:
@@ -137,15 +137,15 @@ def test_best_first_crs_equals_brute_force(one: int, other: int) -> None:
     a, b = blob(one), blob(other)
     trunks_a, trunks_b = thinned(full_trunks(a), 25), thinned(full_trunks(b), 25)
     expected = brute_crs(a, b, trunks_a, trunks_b, CrsParameters())[:16]
-    found = best_trunk_pairs(a, b, trunks_a, trunks_b, count=16)
-    assert [score.area for score in found] == [area for _, _, area in expected]
-    assert [score.score for score in found] == pytest.approx([gaussian(far, 1.0) for far, _, _ in expected], rel=1e-12)
-    for score, (_, (t, u, s), _) in zip(found, expected, strict=True):
+    scores = best_trunk_pairs(a, b, trunks_a, trunks_b, count=16)
+    assert [score.area for score in scores] == [area for _, _, area in expected]
+    assert [score.score for score in scores] == pytest.approx([gaussian(far, 1.0) for far, _, _ in expected], rel=1e-12)
+    for score, (_, (t, u, s), _) in zip(scores, expected, strict=True):
         assert np.array_equal(score.trunk_a, trunks_a.of(t))
         assert np.array_equal(score.trunk_b, corresponding(trunks_b.of(u), s))
     best = crs(a, b, trunks_a, trunks_b)
-    assert best.score == found[0].score > 0.0
-    assert np.array_equal(best.trunk_b, found[0].trunk_b)
+    assert best.score == scores[0].score > 0.0
+    assert np.array_equal(best.trunk_b, scores[0].trunk_b)
 
 
 def test_equals_come_in_order_of_trunks_and_shift() -> None:
@@ -154,10 +154,10 @@ def test_equals_come_in_order_of_trunks_and_shift() -> None:
     trunks_a, trunks_b = (thinned(full_trunks(shape), 3, times=4) for shape in (a, b))
     expected = brute_crs(a, b, trunks_a, trunks_b, CrsParameters())[:30]
     side_a, side_b = prepare(a, trunks_a), prepare(b, trunks_b)
-    found = best_of_prepared(side_a, side_b, count=30)
+    scores = best_of_prepared(side_a, side_b, count=30)
     assert len({far for far, _, _ in expected}) < 5
-    assert [score.area for score in found] == [area for _, _, area in expected]
-    for score, (_, (t, u, s), _) in zip(found, expected, strict=True):
+    assert [score.area for score in scores] == [area for _, _, area in expected]
+    for score, (_, (t, u, s), _) in zip(scores, expected, strict=True):
         assert np.array_equal(score.trunk_a, trunks_a.of(t))
         assert np.array_equal(score.trunk_b, corresponding(trunks_b.of(u), s))
 
@@ -170,9 +170,9 @@ def test_all_candidates_within_the_limit_are_listed(limit: float) -> None:
     units = Units(p.sigma_e * D_C, p.sigma_angle, p.sigma_area, AREA_SLACK)
     bounds, pairs = leaf_pairs(side_a, side_b, units)
     order = np.argsort(bounds)
-    found, which = np.empty((100_000, 2)), np.empty((100_000, 3), dtype=np.int64)
+    candidates, which = np.empty((100_000, 2)), np.empty((100_000, 3), dtype=np.int64)
     count, reached = nearest_candidates(
-        side_a, side_b, units, bounds[order], pairs[order], -math.inf, limit, found, which
+        side_a, side_b, units, bounds[order], pairs[order], -math.inf, limit, candidates, which
     )
     assert reached == limit
     expected = {(t, u, s): terms for t, u, s, terms in plain_candidates(a, b, trunks_a, trunks_b, p)}
@@ -181,7 +181,7 @@ def test_all_candidates_within_the_limit_are_listed(limit: float) -> None:
         for bound, _, triple in overlay.candidates(a, b, trunks_a, trunks_b, p, -math.inf, math.inf)
         if bound <= limit
     }
-    listed = {(int(t), int(u), int(s)): row for (t, u, s), row in zip(which[:count], found[:count], strict=True)}
+    listed = {(int(t), int(u), int(s)): row for (t, u, s), row in zip(which[:count], candidates[:count], strict=True)}
     assert len(listed) == count > 0
     assert all(expected[triple] == terms for triple, (_, terms) in listed.items())
     # The area term's bound is lowered by the slack of the scanlines: some more are listed, none fewer.
@@ -193,7 +193,7 @@ def test_all_candidates_within_the_limit_are_listed(limit: float) -> None:
     # What was listed before is not listed again.
     if limit < math.inf:
         again = nearest_candidates(
-            side_a, side_b, units, bounds[order], pairs[order], limit, 2.0 * limit, found, which
+            side_a, side_b, units, bounds[order], pairs[order], limit, 2.0 * limit, candidates, which
         )[0]
         assert not listed.keys() & {(int(t), int(u), int(s)) for t, u, s in which[:again]}
 
@@ -202,20 +202,20 @@ def test_all_candidates_within_the_limit_are_listed(limit: float) -> None:
 def test_area_terms_match_overlay_within_the_slack(one: int, other: int) -> None:
     a, b = blob(one), blob(other, waves=7)
     trunks_a, trunks_b = thinned(full_trunks(a), 80), thinned(full_trunks(b), 80)
-    found = best_trunk_pairs(a, b, trunks_a, trunks_b, count=16)
-    for score in found:
+    pairs = best_trunk_pairs(a, b, trunks_a, trunks_b, count=16)
+    for score in pairs:
         exact = overlay.overlay_area_term(a.points, b.points, score.trunk_a, score.trunk_b)
         assert score.area == pytest.approx(exact, abs=AREA_SLACK / 2)
         terms = area_terms(a.points, b.points, score.trunk_a[None], score.trunk_b[None], 4096)
         assert terms.max() == pytest.approx(exact, abs=1e-4)
     by_overlay = overlay.overlay_best_trunk_pairs(a, b, trunks_a, trunks_b, count=16)
     scores = [math.exp(-0.5 * score.distance**2) for score in by_overlay]
-    assert [score.score for score in found] == pytest.approx(scores, abs=AREA_SLACK / CrsParameters().sigma_area)
+    assert [score.score for score in pairs] == pytest.approx(scores, abs=AREA_SLACK / CrsParameters().sigma_area)
 
 
 def test_shapes_without_trunks_of_one_n_have_no_trunk_pair() -> None:
     a, trunks_a = blob(1), full_trunks(blob(1))
-    none = Trunks.from_arrays({name: each[: name == "offsets"] for name, each in trunks_a.to_arrays().items()})
+    none = Trunks.from_arrays({name: values[: name == "offsets"] for name, values in trunks_a.to_arrays().items()})
     assert best_trunk_pairs(a, a, trunks_a, none) == []
     assert crs(a, a, none, none) is NO_SCORE
     triangles, squares = (of_size(trunks_a, n) for n in (3, 4))
@@ -225,14 +225,14 @@ def test_shapes_without_trunks_of_one_n_have_no_trunk_pair() -> None:
 
 
 @pytest.mark.parametrize("room", [1, 2, 7, 100_000])
-def test_the_room_for_candidates_changes_nothing(room: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_capacity_for_candidates_changes_nothing(capacity: int, monkeypatch: pytest.MonkeyPatch) -> None:
     a, b = blob(1), blob(2)
     trunks_a, trunks_b = thinned(full_trunks(a), 40), thinned(full_trunks(b), 40)
     expected = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
-    monkeypatch.setattr("riot.scores.crs.FIRST_CAPACITY", room)
-    found = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
-    assert [score.score for score in found] == [score.score for score in expected]
-    assert all(np.array_equal(x.trunk_b, y.trunk_b) for x, y in zip(found, expected, strict=True))
+    monkeypatch.setattr("riot.scores.crs.FIRST_CAPACITY", capacity)
+    scores = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
+    assert [score.score for score in scores] == [score.score for score in expected]
+    assert all(np.array_equal(x.trunk_b, y.trunk_b) for x, y in zip(scores, expected, strict=True))
     # More than there are: all of them, whatever their distance.
     few_a, few_b = thinned(full_trunks(a), 2), thinned(full_trunks(b), 2)
     everything = best_trunk_pairs(a, b, few_a, few_b, count=1000)
@@ -244,15 +244,15 @@ def test_the_room_for_candidates_changes_nothing(room: int, monkeypatch: pytest.
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_exact_pairs_score_high(seed: int) -> None:
     p, q = pair_shapes(exact_pair(4, seed))
-    found = crs(p, q)
-    assert found.score > 0.85
-    assert found.area < 0.1
+    best = crs(p, q)
+    assert best.score > 0.85
+    assert best.area < 0.1
 
 
-def test_found_trunks_correspond() -> None:
+def test_best_trunks_correspond() -> None:
     p, q = pair_shapes(exact_pair(4, 2))
-    found = crs(p, q)
-    corners_p, corners_q = p.points[found.trunk_a], q.points[found.trunk_b]
+    best = crs(p, q)
+    corners_p, corners_q = p.points[best.trunk_a], q.points[best.trunk_b]
     lengths = [np.hypot(*(np.roll(corners, -1, axis=0) - corners).T) for corners in (corners_p, corners_q)]
     assert np.abs(lengths[0] - lengths[1]).mean() < 0.05
     assert shapely.LinearRing(corners_p).is_ccw

@@ -98,7 +98,7 @@ def test_exterior_pieces_of_each_tile_the_trunk_of_the_other(pair: ExactPair) ->
 @few
 def test_the_pieces_make_both_shapes_without_gap_or_overlap(pair: ExactPair) -> None:
     for outline, trunk in ((pair.p, pair.trunk_p), (pair.q, pair.trunk_q)):
-        polygons = [shapely.Polygon(part) for part in assembled(pair, trunk)]
+        polygons = [shapely.Polygon(piece) for piece in assembled(pair, trunk)]
         whole = shapely.Polygon(outline)
         assert all(polygon.is_valid for polygon in polygons)
         # Areas of unions, since `intersection` is unreliable along a shared noisy edge.
@@ -139,8 +139,8 @@ def test_angles_about_every_hinge_make_a_full_turn(pair: ExactPair) -> None:
 def test_straight_pieces_are_convex(n: int, seed: int, topology: Topology) -> None:
     pair = exact_pair(n, seed, curved=False, topology=topology)
     for j in range(n):
-        for part in (lower_part(pair, j), upper_part(pair, j)):
-            assert interior_angles(part).max() <= math.pi + 1e-9
+        for half in (lower_part(pair, j), upper_part(pair, j)):
+            assert interior_angles(half).max() <= math.pi + 1e-9
 
 
 def test_the_seed_decides_everything() -> None:

@@ -40,9 +40,9 @@ def test_best_partners_are_those_of_scoring_all(seed: int, count: int, least: fl
     # Coarse trunks tie by the dozen. What a tie decides is which distance is less, not which score rounds alike.
     everything = random_stack(seed, 7, coarse, 50)
     index = TrunkIndex.build([everything])
-    found = best_partners(index, everything, count, least=least, itself=range(7)).scores
+    best = best_partners(index, everything, count, least=least, itself=range(7)).scores
     plain = plain_partners(everything, everything, count, least, True)
-    assert rows(found, np.arange(len(found.i))) == rows(plain, np.arange(len(plain.i)))
+    assert rows(best, np.arange(len(best.i))) == rows(plain, np.arange(len(plain.i)))
 
 
 @given(SEEDS, st.integers(1, 30))
@@ -52,27 +52,27 @@ def test_best_pairs_are_those_of_scoring_all(seed: int, count: int) -> None:
     every = brute_force(everything, everything, same=True)
     order = np.lexsort((every.j, every.i, -every.score))
     order = order[every.score[order] > 0][:count]
-    found = best_pairs(TrunkIndex.build([everything]), count)
-    assert rows(found.scores, np.arange(len(found.scores.i))) == rows(every, order)
-    assert len(found.scores.i) <= found.compared <= len(every.i)
+    best = best_pairs(TrunkIndex.build([everything]), count)
+    assert rows(best.scores, np.arange(len(best.scores.i))) == rows(every, order)
+    assert len(best.scores.i) <= best.compared <= len(every.i)
 
 
 def test_cells_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     everything = stack([quick_trunks(blob(seed, waves=6)) for seed in range(6)])
-    found = best_partners(TrunkIndex.build([everything]), everything, 3, itself=range(6))
+    best = best_partners(TrunkIndex.build([everything]), everything, 3, itself=range(6))
     monkeypatch.setattr(riot.scores.index, "CELL_LEAVES", 2)
     index = TrunkIndex.build([everything])
     small = best_partners(index, everything, 3, itself=range(6))
     assert len(index.crowns) > 10
-    assert rows(found.scores, np.arange(18)) == rows(small.scores, np.arange(18))
+    assert rows(best.scores, np.arange(18)) == rows(small.scores, np.arange(18))
 
 
 def test_an_index_of_several_stacks_is_that_of_one() -> None:
-    parts = [random_stack(3, 2, False, 30), random_stack(4, 0, False), random_stack(5, 3, False, 30)]
-    whole = join(parts)
+    stacks = [random_stack(3, 2, False, 30), random_stack(4, 0, False), random_stack(5, 3, False, 30)]
+    whole = join(stacks)
     assert len(whole) == 5
     query = random_stack(6, 2, False, 30)
-    apart, together = (best_partners(TrunkIndex.build(s), query, 4).scores for s in (parts, [whole]))
+    apart, together = (best_partners(TrunkIndex.build(s), query, 4).scores for s in (stacks, [whole]))
     assert rows(apart, np.arange(len(apart.i))) == rows(together, np.arange(len(together.i)))
     assert rows(apart, np.arange(len(apart.i))) == rows(plain_partners(query, whole, 4, 0.0, False), np.arange(8))
 
@@ -88,8 +88,8 @@ def test_a_shape_of_a_stack_alone_has_the_same_partners() -> None:
 
 
 def test_an_empty_index_has_no_partners() -> None:
-    found = best_partners(TrunkIndex.build([stack([])]), random_stack(1, 2, False, 20), 3)
-    assert (len(found.scores.i), found.compared) == (0, 0)
+    best = best_partners(TrunkIndex.build([stack([])]), random_stack(1, 2, False, 20), 3)
+    assert (len(best.scores.i), best.compared) == (0, 0)
 
 
 def test_no_partners_cannot_be_asked_for() -> None:

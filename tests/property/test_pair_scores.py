@@ -97,19 +97,19 @@ def test_a_least_score_changes_nothing_above_it(seed: int, least: float) -> None
 
 @given(SEEDS)
 @settings(max_examples=15)
-def test_leaves_hold_every_trunk_and_decide_nothing(seed: int) -> None:
+def test_leaves_contain_every_trunk_and_decide_nothing(seed: int) -> None:
     rng = np.random.default_rng(seed)
     trunks = [random_trunks(rng, int(count), bool(seed % 2)) for count in rng.integers(0, 120, 3)]
-    for one in trunks:
-        leaves = gather_leaves(one)
-        assert np.array_equal(np.unique(leaves), np.arange(len(one)))
-        assert (one.sizes[leaves] == one.sizes[leaves[:, :1]]).all()
-        assert (np.diff(one.sizes[leaves[:, 0]]) >= 0).all()
+    for shape_trunks in trunks:
+        leaves = gather_leaves(shape_trunks)
+        assert np.array_equal(np.unique(leaves), np.arange(len(shape_trunks)))
+        assert (shape_trunks.sizes[leaves] == shape_trunks.sizes[leaves[:, :1]]).all()
+        assert (np.diff(shape_trunks.sizes[leaves[:, 0]]) >= 0).all()
     plain = []
-    for one in trunks:  # the trunks in the order in which they come, the most foolish leaves there are
-        groups = [np.flatnonzero(one.sizes == n).astype(np.int32) for n in np.unique(one.sizes)]
-        parts = [np.resize(g[k : k + QCRS_LEAF], QCRS_LEAF) for g in groups for k in range(0, len(g), QCRS_LEAF)]
-        plain.append(np.array(parts, dtype=np.int32).reshape(-1, QCRS_LEAF))
+    for shape_trunks in trunks:  # the trunks in the order in which they come, the most foolish leaves there are
+        groups = [np.flatnonzero(shape_trunks.sizes == n).astype(np.int32) for n in np.unique(shape_trunks.sizes)]
+        rows = [np.resize(g[k : k + QCRS_LEAF], QCRS_LEAF) for g in groups for k in range(0, len(g), QCRS_LEAF)]
+        plain.append(np.array(rows, dtype=np.int32).reshape(-1, QCRS_LEAF))
     good, poor = stack(trunks), stack(trunks, plain)
     for name in NAMES:
         assert np.array_equal(getattr(score_block(good, good), name), getattr(score_block(poor, poor), name)), name
@@ -193,8 +193,8 @@ def test_pairs_without_a_common_n_score_nothing() -> None:
     empty = stack([Trunks.from_arrays(full_trunks(blob(1)).to_arrays())]), stack([])
     assert len(score_block(*empty).i) == 0
     none = random_trunks(np.random.default_rng(0), 0, False)
-    found = score_block(stack([none]), stack([none]))
-    assert (found.score[0], found.n[0], found.trunk_i[0], found.shift[0]) == (0.0, 0, -1, -1)
+    scores = score_block(stack([none]), stack([none]))
+    assert (scores.score[0], scores.n[0], scores.trunk_i[0], scores.shift[0]) == (0.0, 0, -1, -1)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
@@ -203,10 +203,10 @@ def test_exact_pairs_score_high(seed: int) -> None:
     assert qcrs(p, q).score > 0.8
 
 
-def test_found_trunks_correspond() -> None:
+def test_best_trunks_correspond() -> None:
     p, q = pair_shapes(exact_pair(4, 2))
-    found = qcrs(p, q)
-    corners_p, corners_q = p.points[found.trunk_a], q.points[found.trunk_b]
+    best = qcrs(p, q)
+    corners_p, corners_q = p.points[best.trunk_a], q.points[best.trunk_b]
     lengths = [np.hypot(*(np.roll(corners, -1, axis=0) - corners).T) for corners in (corners_p, corners_q)]
     assert np.abs(lengths[0] - lengths[1]).mean() < 0.05
     assert shapely.LinearRing(corners_p).is_ccw

@@ -93,7 +93,7 @@ def test_simplify_is_douglas_peucker_on_both_halves(seed: int, tolerance: float,
     assert polyline.farthest(points, polyline.centroid(points)) == first
     turned = np.concatenate([points[first:], points[: first + 1]])
     middle = (second - first) % m
-    halves = [polyline.simplify_open(part, tolerance) for part in (turned[: middle + 1], turned[middle:])]
+    halves = [polyline.simplify_open(half, tolerance) for half in (turned[: middle + 1], turned[middle:])]
     expected = np.sort((np.concatenate([halves[0], middle + halves[1][1:-1]]) + first) % m)
     assert np.array_equal(polyline.simplify(points, tolerance), expected)
 
@@ -110,15 +110,15 @@ def test_simplify_takes_read_only_and_reversed_polygons() -> None:
 
 @settings(max_examples=40)
 @given(SEEDS, st.floats(0.01, 1.0))
-def test_midpoints_halve_stretches(seed: int, spacing: float) -> None:
+def test_midpoints_halve_intervals(seed: int, spacing: float) -> None:
     starts = np.sort(np.random.default_rng(seed).uniform(0.0, 5.0, 7))
     positions, is_start = halved(starts, 6.0, spacing)
     expected: list[float] = []
-    for start, stretch in zip(starts, np.diff(np.append(starts, starts[0] + 6.0)), strict=True):
-        parts = 1
-        while stretch / parts >= spacing:
-            parts *= 2
-        expected += (start + np.arange(parts) * (stretch / parts)).tolist()
+    for start, interval in zip(starts, np.diff(np.append(starts, starts[0] + 6.0)), strict=True):
+        divisions = 1
+        while interval / divisions >= spacing:
+            divisions *= 2
+        expected += (start + np.arange(divisions) * (interval / divisions)).tolist()
     assert positions.tolist() == expected
     assert np.array_equal(positions[is_start], starts)
 
@@ -150,7 +150,7 @@ def test_sides_parallel_to_chords_keep_their_corners(angle: float, mirror: bool)
     turn = np.array([[c, s], [-s, c]]) @ np.diag([-1.0 if mirror else 1.0, 1.0])
     moved = dense @ turn
     moved = moved[::-1] if mirror else moved
-    found = moved[polyline.simplify(moved, 0.3)] @ np.linalg.inv(turn)
-    gaps = np.hypot(*(found[:, None] - expected[None]).transpose(2, 0, 1))
-    assert len(found) == len(expected)
+    kept = moved[polyline.simplify(moved, 0.3)] @ np.linalg.inv(turn)
+    gaps = np.hypot(*(kept[:, None] - expected[None]).transpose(2, 0, 1))
+    assert len(kept) == len(expected)
     assert gaps.min(axis=1).max() < 1e-9

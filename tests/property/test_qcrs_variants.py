@@ -17,9 +17,9 @@ from riot.scores.trunks import Trunks, compared_trunks, full_trunks, quick_trunk
 SHAPES = [blob(seed, waves=6) for seed in range(8)]
 
 
-def alike(one: Trunks, other: Trunks) -> bool:
+def alike(trunks: Trunks, other: Trunks) -> bool:
     """Whether two lists of trunks are the same bits."""
-    mine, others = one.to_arrays(), other.to_arrays()
+    mine, others = trunks.to_arrays(), other.to_arrays()
     return all(np.array_equal(mine[name], others[name]) for name in mine)
 
 

@@ -46,20 +46,20 @@ def dumbbell(neck: float = 0.2, bar: float = 1.0) -> FloatArray:
     return np.array(right + [(-a, -b) for a, b in right])
 
 
-def necks_by_place(shape: Shape, found: Reversibility) -> list[tuple[float, ...]]:
-    ends = np.sort(found.necks, axis=1)
-    rows = np.column_stack([found.neck_ratio, found.neck_width, found.waists])
+def sorted_necks(shape: Shape, result: Reversibility) -> list[tuple[float, ...]]:
+    ends = np.sort(result.necks, axis=1)
+    rows = np.column_stack([result.neck_ratio, result.neck_width, result.waists])
     assert np.all(ends[:, 0] < ends[:, 1]) or not len(ends)
     return sorted(map(tuple, np.round(rows, 7)))
 
 
 def test_a_disc_is_almost_one() -> None:
     angle = np.arange(200) * 2 * math.pi / 200
-    found = reversibility(shape_of(np.stack([np.cos(angle), np.sin(angle)], axis=1)))
-    assert found.score > 1 - 1e-6
-    assert math.isnan(found.waist)
-    assert found.necks.shape == (0, 2)
-    assert found.necks.dtype == np.int64
+    result = reversibility(shape_of(np.stack([np.cos(angle), np.sin(angle)], axis=1)))
+    assert result.score > 1 - 1e-6
+    assert math.isnan(result.waist)
+    assert result.necks.shape == (0, 2)
+    assert result.necks.dtype == np.int64
 
 
 @given(st.floats(0.05, 20))
@@ -67,35 +67,35 @@ def test_a_disc_is_almost_one() -> None:
 def test_a_rectangle_has_the_closed_form(ratio: float) -> None:
     width = math.sqrt(ratio)
     shape = shape_of(np.array([[0, 0], [width, 0], [width, 1 / width], [0, 1 / width]]))
-    found = reversibility(shape)
+    result = reversibility(shape)
     excess = 2 * (width + 1 / width) / (2 * math.sqrt(math.pi)) - 1
-    assert found.s1 == pytest.approx(math.exp(-(excess**2) / 2), rel=1e-12)
-    assert found.s2 == 1.0
-    assert found.score == found.s1 == pytest.approx(roundness(shape.perimeter), rel=1e-12)
+    assert result.s1 == pytest.approx(math.exp(-(excess**2) / 2), rel=1e-12)
+    assert result.s2 == 1.0
+    assert result.score == result.s1 == pytest.approx(roundness(shape.perimeter), rel=1e-12)
 
 
 @given(st.floats(0.05, 0.35), st.floats(0.1, 0.3))
 @settings(max_examples=15)
 def test_a_dumbbell_has_its_waist_at_the_bar(neck: float, bar: float) -> None:
-    found = reversibility(shape_of(dumbbell(neck, bar)))
+    result = reversibility(shape_of(dumbbell(neck, bar)))
     # Straight across the bar at its end the shorter side is the outline of one square. A step s along the bar
     # gives (lobe + s) / √(neck² + s²), which is greatest at s = neck² / lobe.
     across = (3 + (1 - neck)) / neck
-    assert across * (1 - 1e-9) <= found.waist <= math.sqrt(across**2 + 1) * (1 + 1e-9)
-    assert found.waist == found.neck_ratio[found.waists].max()
-    assert found.s2 == pytest.approx(math.exp(-((found.waist - 1) ** 2) / 32), rel=1e-12)
+    assert across * (1 - 1e-9) <= result.waist <= math.sqrt(across**2 + 1) * (1 + 1e-9)
+    assert result.waist == result.neck_ratio[result.waists].max()
+    assert result.s2 == pytest.approx(math.exp(-((result.waist - 1) ** 2) / 32), rel=1e-12)
 
 
 def test_a_narrow_limb_is_cut_off_and_a_wide_one_is_not() -> None:
     # A unit square with a thin limb on its right side.
     corners = np.array([(0, 0), (1, 0), (1, 0.45), (1.6, 0.45), (1.6, 0.55), (1, 0.55), (1, 1), (0, 1)])
     shape = shape_of(corners)
-    found = reversibility(shape)
-    mask = cut_off(shape, found)
+    result = reversibility(shape)
+    mask = cut_off(shape, result)
     root = shape.points[np.isclose(shape.points[:, 0], shape.points[concave_points(shape.points, 0.01), 0].max())]
     limb = shape.points[:, 0] > root[:, 0].max() + 1e-9
     assert np.array_equal(mask, limb)
-    assert not cut_off(shape, found, 0.05).any()
+    assert not cut_off(shape, result, 0.05).any()
     assert 0 < mask.sum() < len(mask) / 2
 
 
@@ -118,16 +118,16 @@ def test_invariance(seed: int, angle: float, start: int, mirror: bool) -> None:
     before, after = reversibility(shape), reversibility(moved)
     assert after.score == pytest.approx(before.score, rel=1e-9)
     assert after.waist == pytest.approx(before.waist, rel=1e-9, nan_ok=True)
-    assert necks_by_place(moved, after) == necks_by_place(shape, before)
+    assert sorted_necks(moved, after) == sorted_necks(shape, before)
     cut = np.roll(cut_off(shape, before), start)
     assert np.array_equal(cut_off(moved, after), cut[::-1] if mirror else cut)
 
 
 @given(st.integers(0, 10_000))
 @settings(max_examples=8)
-def test_necks_are_what_they_are_said_to_be(seed: int) -> None:
+def test_necks_match_their_definition(seed: int) -> None:
     shape = shape_of(radial(seed))
-    found = reversibility(shape)
+    result = reversibility(shape)
     m = len(shape.points)
     polygon = shapely.Polygon(shape.points).buffer(1e-9)
     shapely.prepare(polygon)
@@ -148,8 +148,8 @@ def test_necks_are_what_they_are_said_to_be(seed: int) -> None:
                 continue
             if polygon.covers(shapely.LineString(shape.points[[p1, p2]])):
                 expected.add((min(p1, p2), max(p1, p2)))
-    assert {(min(a, b), max(a, b)) for a, b in found.necks.tolist()} == expected
-    for (p1, p2), value, wide in zip(found.necks.tolist(), found.neck_ratio, found.neck_width, strict=True):
+    assert {(min(a, b), max(a, b)) for a, b in result.necks.tolist()} == expected
+    for (p1, p2), value, wide in zip(result.necks.tolist(), result.neck_ratio, result.neck_width, strict=True):
         assert value == pytest.approx(ratio(p1, p2), rel=1e-12)
         assert wide == pytest.approx(np.linalg.norm(shape.points[p1] - shape.points[p2]), rel=1e-12)
 
@@ -211,5 +211,5 @@ def test_contains_agrees_with_shapely(seed: int, x: float, y: float, tolerance: 
 
 def test_default_width_is_the_papers() -> None:
     shape = shape_of(dumbbell(0.2))
-    found = reversibility(shape)
-    assert np.array_equal(cut_off(shape, found), cut_off(shape, found, 0.2 * D_C))
+    result = reversibility(shape)
+    assert np.array_equal(cut_off(shape, result), cut_off(shape, result, 0.2 * D_C))

@@ -34,8 +34,8 @@ def drawn(polygon: FloatArray, side: int = 200) -> FloatArray:
     return np.where(shapely.contains_xy(placed, x.ravel(), y.ravel()).reshape(side, side), 255.0, 0.0)
 
 
-def iou(one: FloatArray, other: FloatArray) -> float:
-    a, b = shapely.Polygon(one), shapely.Polygon(other)
+def iou(outline: FloatArray, other: FloatArray) -> float:
+    a, b = shapely.Polygon(outline), shapely.Polygon(other)
     return float(a.intersection(b).area / a.union(b).area)
 
 

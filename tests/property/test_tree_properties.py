@@ -26,11 +26,11 @@ def degrees(tree: PlanarTree) -> list[int]:
 @settings(max_examples=50)
 def test_inner_nodes_branch_and_leaves_do_not(seed: int, leaves: int, binary: bool) -> None:
     tree = draw(seed, leaves, binary)
-    found = degrees(tree)
-    assert found[:leaves] == [1] * leaves
-    assert min(found[leaves:]) >= 3
+    node_degrees = degrees(tree)
+    assert node_degrees[:leaves] == [1] * leaves
+    assert min(node_degrees[leaves:]) >= 3
     if binary:
-        assert set(found[leaves:]) == {3}
+        assert set(node_degrees[leaves:]) == {3}
         assert len(tree.parent) == 2 * leaves - 2
 
 

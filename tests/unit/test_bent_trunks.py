@@ -37,10 +37,10 @@ def test_a_bend_that_a_piece_does_not_hold_costs_what_it_gives_away() -> None:
 
 def test_areas_lost_and_added_are_those_of_overlay() -> None:
     target = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
-    one = np.array([[-0.5, -0.25], [1.25, 0.0], [1.0, 0.75]])
+    arc = np.array([[-0.5, -0.25], [1.25, 0.0], [1.0, 0.75]])
     other = np.array([[0.75, 0.25], [1.75, 0.5], [1.0, 1.5]])
-    a, b, whole = (shapely.Polygon(each) for each in (one, other, target))
-    lost, added = changes(np.concatenate([one, other]), np.array([0, 3, 6]), target, 20_000)
+    a, b, whole = (shapely.Polygon(polygon) for polygon in (arc, other, target))
+    lost, added = changes(np.concatenate([arc, other]), np.array([0, 3, 6]), target, 20_000)
     overlaps = a.intersection(b).intersection(whole).area
     assert lost == pytest.approx(overlaps + a.difference(whole).area + b.difference(whole).area, abs=1e-4)
     assert added == pytest.approx(whole.difference(a.union(b)).area, abs=1e-4)

@@ -31,7 +31,7 @@ def test_kernel_modules_do_not_call_each_other(name: str) -> None:
 def called_kernels() -> list[tuple[str, str]]:
     """(module, name) of every kernel that the library calls from outside the kernels."""
     root = Path(riot.kernels.__path__[0])
-    found = set()
+    called = set()
     for path in root.parent.rglob("*.py"):
         if path.parent == root:
             continue
@@ -39,8 +39,8 @@ def called_kernels() -> list[tuple[str, str]]:
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("riot.kernels."):
                 module = importlib.import_module(str(node.module))
                 names = {alias.name for alias in node.names}
-                found |= {(module.__name__, name) for name in names if hasattr(getattr(module, name), "py_func")}
-    return sorted(found)
+                called |= {(module.__name__, name) for name in names if hasattr(getattr(module, name), "py_func")}
+    return sorted(called)
 
 
 @pytest.mark.parametrize(("module", "name"), called_kernels())
@@ -51,8 +51,8 @@ def test_every_kernel_is_compiled_before_it_is_needed(module: str, name: str) ->
     assert called.signatures
 
 
-def test_kernels_in_the_cache_are_ready_without_a_word() -> None:
+def test_cached_kernels_are_ready_without_a_message() -> None:
     warm_all(lambda text: None)
-    said: list[str] = []
-    warm_all(said.append)
-    assert said == []
+    messages: list[str] = []
+    warm_all(messages.append)
+    assert messages == []

@@ -62,8 +62,8 @@ def test_a_decompression_bomb_is_refused_by_its_header(tmp_path: Path, form: str
         if form == "TIFF":
             data = tiff_sizes(data, 100_000)
         path.write_bytes(data)
-    said = refused(path)
-    assert said[0] == "too-large" and "scale the picture down" in said[1]
+    refusal = refused(path)
+    assert refusal[0] == "too-large" and "scale the picture down" in refusal[1]
 
 
 def tiff_sizes(data: bytearray, side: int) -> bytearray:
