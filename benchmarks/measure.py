@@ -85,7 +85,7 @@ def time_shares(function: Callable[[T], object], items: Sequence[T]) -> str:
     for (file, _, name), (_, _, own, _, _) in pstats.Stats(profile).stats.items():  # type: ignore[attr-defined]
         spent[_module_of(file, name)] += own
     total = sum(spent.values())
-    return ", ".join(f"{room} {100 * own / total:.0f} %" for module, own in spent.most_common(NAMED_FUNCTIONS))
+    return ", ".join(f"{module} {100 * own / total:.0f} %" for module, own in spent.most_common(NAMED_FUNCTIONS))
 
 
 def _module_of(file: str, name: str) -> str:

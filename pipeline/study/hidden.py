@@ -19,8 +19,9 @@ from riot.groundtruth.pairs import ExactPair, Topology, exact_pair
 from riot.kernels.segments import inside_shares
 from riot.kernels.simplify import TIE
 from riot.parameters import TrunkParameters
+from riot.scores.edges import exterior_areas
 from riot.scores.reversibility import cut_off, reversibility
-from riot.scores.trunks import Trunks, exterior_areas
+from riot.scores.trunks import Trunks
 from riot.scores.vertices import congruency, convex_points, passes_visibility, sparse_points
 from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C

@@ -16,11 +16,15 @@ from riot.scores.trunks import Trunks, full_trunks
 from riot.types import FloatArray, IntArray
 from riot.units import D_C
 
-FIRST_CAPACITY = 64
-"""Candidates that are listed at once; any number gives the same result."""
+FIRST_LISTED = 64
+"""Candidates that are listed at once. Ours: any number gives the same result, this one few area terms."""
+
+_MORE_LISTED = 4
+"""Factor by which this grows when all bounds are equal."""
 
 AREA_SLACK = 2e-3
-"""By how much the scanlines' area term may be off; the cheap bound of the area term is lowered by it."""
+"""Greatest error of the area term by scanlines, by which its cheap bound is lowered. Ours: above the greatest
+difference from polygon overlay that tests find."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +61,8 @@ class CrossScore:
         return len(self.trunk_a)
 
 
-NO_CORNERS = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-
 NO_SCORE = CrossScore(0.0, np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), 0.0, 0.0, 0.0, math.inf, 0)
-"""CRS of shapes without trunks of one n."""
+"""CRS of shapes that have no trunks of the same number of vertices."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,10 +87,10 @@ def crs(
     trunks_b: Trunks | None = None,
     parameters: CrsParameters | None = None,
 ) -> CrossScore:
-    """Cross-reversibility score of two shapes (paper §4.2); trunks are found if not given.
+    """Cross-reversibility score of two shapes (paper §4.2); without trunks, `full_trunks` finds them.
 
-    d_A exists in both directions, P's arcs in Q's trunk and the other way; the worse counts (ours). Among equals the
-    first by (T, T', shift) wins.
+    d_A exists in both directions, P's arcs in Q's trunk and Q's in P's; the worse one counts (ours). Among equal
+    scores the first by (T, T', shift) wins.
 
     >>> from riot import Shape
     >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
@@ -109,17 +111,20 @@ def best_trunk_pairs(
     parameters: CrsParameters | None = None,
     count: int = 1,
 ) -> list[CrossScore]:
-    """The ``count`` trunk pairs of highest score, best first; fewer if there are not so many.
+    """The ``count`` trunk pairs of highest score, best first; fewer if fewer exist.
 
-    Best-first: candidates are taken in order of a lower bound of their distance, until the bound passes the worst of
-    those to be kept, so that the result is that of evaluating all; those of equal score by (T, T', shift).
-    Raises ValueError if ``count`` < 1.
+    Candidates are evaluated in order of a lower bound of their distance, until the bound passes the worst pair of a
+    full list. So the result is that of evaluating all. Pairs of equal score are ordered by (T, T', shift). Raises
+    ValueError if ``count`` < 1.
+
+    >>> [score.n for score in best_trunk_pairs(house, kite, count=2)]
+    [4, 4]
     """
     return best_of_prepared(prepare(a, trunks_a), prepare(b, trunks_b), parameters, count)
 
 
 def prepare(shape: Shape, trunks: Trunks | None = None) -> CrossSide:
-    """What `best_of_prepared` needs of a shape and its trunks; trunks are found if not given."""
+    """Prepare a shape and its trunks for `best_of_prepared`; without ``trunks``, `full_trunks` finds them."""
     trunks = full_trunks(shape) if trunks is None else trunks
     # Read-only arrays would have the kernels compiled once more.
     points, vertices = np.array(shape.points), trunks.vertices.astype(np.int64)
@@ -132,7 +137,7 @@ def prepare(shape: Shape, trunks: Trunks | None = None) -> CrossSide:
 def best_of_prepared(
     a: CrossSide, b: CrossSide, parameters: CrsParameters | None = None, count: int = 1
 ) -> list[CrossScore]:
-    """The same as `best_trunk_pairs`, of shapes that `prepare` has made ready, once for all their pairs."""
+    """The same as `best_trunk_pairs`, for shapes that `prepare` has prepared, once for all their pairs."""
     if count < 1:
         raise ValueError(f"best_trunk_pairs({count=}): ask for one pair at least")
     parameters = parameters or CrsParameters()
@@ -142,13 +147,13 @@ def best_of_prepared(
     order = np.argsort(bounds, kind="stable")
     bounds, pairs = bounds[order], pairs[order]
     trunks = ((a.offsets, a.vertices), (b.offsets, b.vertices))
-    capacity, number, evaluations = FIRST_CAPACITY, 0, 0
+    capacity, number, evaluations = FIRST_LISTED, 0, 0
     above, limit = -math.inf, math.inf
     while True:
         candidates, which = np.empty((capacity, 2)), np.empty((capacity, 3), dtype=np.int64)
         listed, reached = nearest_candidates(a.side, b.side, units, bounds, pairs, above, limit, candidates, which)
         if listed < 0:
-            capacity *= 4
+            capacity *= _MORE_LISTED
             continue
         order = np.argsort(candidates[:listed, 0], kind="stable")
         number, begun = best_area_terms(
@@ -156,7 +161,7 @@ def best_of_prepared(
             *(parameters.sigma_area, parameters.lines, number, kept, kept_which),
         )
         evaluations += begun
-        # Nothing beyond the worst distance found can be among the best.
+        # Nothing beyond the worst of a full list can be among the best.
         limit = float(kept[-1, 0]) if number == count else math.inf
         if reached >= limit:
             break
@@ -170,7 +175,7 @@ def _describe(
     """Scores of (k, 3) ``which`` (T, T', shift) with d_A ``areas`` (k,)."""
     sizes = trunks_a.sizes[which[:, 0]]
     edges, angles = np.empty(len(which)), np.empty(len(which))
-    corners: list[tuple[IntArray, IntArray]] = [NO_CORNERS] * len(which)
+    corners = [(NO_SCORE.trunk_a, NO_SCORE.trunk_b)] * len(which)
     for n in np.unique(sizes):
         rows = np.flatnonzero(sizes == n)
         t, u, s = which[rows].T[:, :, None]

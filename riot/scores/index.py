@@ -1,8 +1,8 @@
-"""Index over the trunks of a whole collection: the best partners of a shape without scoring it with all (ours).
+"""Index over the trunks of a collection: it finds the best partners of a shape without scoring all pairs (ours).
 
-All trunks of one n, of whatever shape, are gathered into leaves of similar ones and these into cells; a shape's trunks
-meet only the cells that are near enough to matter. What matters shrinks as good partners turn up, and they turn up
-early, because the nearest cells come first. The results are those of scoring every pair, to the last bit.
+The trunks of one n of all shapes are gathered into leaves of similar trunks, and leaves into cells. The trunks of a
+shape are compared only with cells that are near enough. The limit of that shrinks as good partners are found, which is
+early, because the nearest cells come first. The results equal those of scoring every pair, to the last bit.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from riot.scores.ragged import joined, joined_offsets
 from riot.scores.trunk_stack import TrunkStack, lay_out_forest
 
 CELL_LEAVES = 128
-"""Leaves of a cell; any number gives the same result."""
+"""Leaves of a cell. Ours: any number gives the same result, this one a quick search on MPEG-7."""
 
 KEPT_CELL_ARRAYS = ("trunks", "leaves", "groups")
-"""What of the cells is kept; laying out the rest takes less time than reading and checking it."""
+"""Arrays of the cells that are stored; to lay out the others takes less time than to read and check them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,14 +76,14 @@ class TrunkIndex:
 
     @classmethod
     def array_names(cls) -> tuple[str, ...]:
-        """What `to_arrays` names its arrays."""
+        """The names of the arrays that `to_arrays` gives."""
         return (
             *(f"trunks.{field.name}" for field in fields(TrunkStack)),
             *(f"cells.{name}" for name in KEPT_CELL_ARRAYS),
         )
 
     def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """Plain arrays by name, to be kept: those that the rest is quickly made of again."""
+        """Plain arrays by name, for storage: the ones from which the others are made again."""
         groups = {"trunks": self.trunks.to_arrays(), "cells": self.cells._asdict()}
         return {name: groups[group][array] for name in self.array_names() for group, array in [name.split(".")]}
 
@@ -98,7 +98,7 @@ class TrunkIndex:
 
 @dataclass(frozen=True, eq=False)
 class Partners:
-    """The best pairs that were asked for, best first (ties: i, then j), and how many pairs it took to know them.
+    """The best pairs, best first (ties: i, then j), and the number of pairs that were compared for that.
 
     ``compared`` counts the pairs of shapes of which two trunks were compared corner by corner.
     """
@@ -108,7 +108,7 @@ class Partners:
 
 
 def join(stacks: Sequence[TrunkStack]) -> TrunkStack:
-    """The shapes of several stacks as one."""
+    """The shapes of several stacks as one stack."""
     if len(stacks) == 1:
         return stacks[0]
 
@@ -132,9 +132,9 @@ def best_partners(
     least: float = 0.0,
     itself: Sequence[int] | None = None,
 ) -> Partners:
-    """Of every shape of ``query`` its ``count`` best partners in the index that score above 0 and at least ``least``.
+    """For every shape of ``query`` the ``count`` best partners in the index that score above 0 and at least ``least``.
 
-    ``itself`` gives the query shapes' own numbers in the index, which are no partners; −1 where there is none. In the
+    ``itself`` gives the number of every query shape in the index, which is no partner, or −1. In the
     scores, i numbers the query's shapes and j the index's. Exact; among equals the first by (j; trunks; shift).
     Raises ValueError if ``count`` < 1.
     """

@@ -1,4 +1,4 @@
-"""Leaves: trunks gathered by likeness, which makes the search for near ones quick (ours)."""
+"""Leaves: groups of similar trunks, with which the search for near trunks is quick (ours)."""
 
 from __future__ import annotations
 

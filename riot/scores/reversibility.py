@@ -1,4 +1,4 @@
-"""How likely a single shape is to have a reversible partner: roundness, necks and waists (paper §5.1)."""
+"""The reversibility score: how likely a shape has partners, by roundness, necks and waists (paper §5.1)."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
 
 HALF_DISC = math.pi / 2.0
-"""R of the straight side of a half disc, the bulge that a neck of no less ratio cuts off at least."""
+"""Neck ratio of the straight side of a half disc: a neck of a lesser ratio cuts off a bump, not a limb. Ours."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reversibility:
-    """The reversibility score of a shape and what it rests on.
+    """The reversibility score of a shape, with its terms, necks and waists.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def reversibility(shape: Shape, parameters: ReversibilityParameters | None = Non
     perimeter = float(arc[-1])
     concave = concave_points(points, chosen.simplify * L_C)
     necks = find_necks(points, arc[:-1], perimeter, concave, TIE, TOUCH)
-    # Both ends of a neck may be concave: the pair was then found from either side, and is kept once.
+    # If both ends of a neck are concave, both give the pair: it is kept once.
     lower, upper = np.minimum(necks[:, 0], necks[:, 1]), np.maximum(necks[:, 0], necks[:, 1])
     _, once = np.unique(lower * len(points) + upper, return_index=True)
     necks = necks[np.sort(once)]
@@ -95,7 +95,11 @@ def reversibility(shape: Shape, parameters: ReversibilityParameters | None = Non
 
 
 def roundness(perimeter: float, sigma_pa: float = 1.0) -> float:
-    """S1 of a unit-area shape of this perimeter (paper, equation 9)."""
+    """S1 of a unit-area shape of this perimeter (paper, equation 9).
+
+    >>> round(roundness(3.6), 4)
+    0.9999
+    """
     excess = perimeter / L_C - 1.0
     return float(np.exp(-(excess**2) / (2.0 * sigma_pa**2)))
 
@@ -117,7 +121,7 @@ def cut_off(shape: Shape, necks: Reversibility, width: float | None = None) -> B
 
     A neck narrower than ``width`` (default ``0.2·D_c``) cuts off the points strictly between its ends on the
     shorter side along the boundary; if both sides are equally long, neither. Ours: a neck whose ratio is below
-    that of a half disc cuts off nothing, since what lies behind it is a bump of the outline and no limb.
+    that of a half disc cuts off nothing, since that is a bump of the outline and no limb.
     """
     limit = TrunkParameters().neck_width * D_C if width is None else width
     arc = arc_length(shape.points)

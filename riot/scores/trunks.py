@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from riot.geometry.polyline import TOUCH, arc_length, swept_area
 from riot.geometry.shape import Shape
 from riot.kernels.enumerate import enumerate_convex
-from riot.kernels.segments import inside_shares
 from riot.kernels.simplify import TIE
 from riot.parameters import QcrsVariant, TrunkParameters
+from riot.scores.edges import admissible_edges, exterior_areas, shared_lengths
+from riot.scores.ragged import joined, running
 from riot.scores.reversibility import Reversibility, cut_off, reversibility
 from riot.scores.vertices import (
     Congruency,
@@ -100,8 +100,11 @@ def trunks(shape: Shape, parameters: TrunkParameters | None = None) -> Trunks:
 def quick_trunks(shape: Shape, parameters: TrunkParameters | None = None, necks: Reversibility | None = None) -> Trunks:
     """Candidate trunks without congruency tests, local outside angles, for QCRS (paper §5.2).
 
-    Points cut off by necks narrower than ``neck_width`` are left out; ``necks`` are found if not given. A shape may
-    have no trunks.
+    Points cut off by necks narrower than ``neck_width`` are left out; without ``necks``, `reversibility` finds them. A
+    shape may have no trunks.
+
+    >>> len(quick_trunks(house)) > 0
+    True
     """
     parameters = parameters or TrunkParameters()
     candidates = sparse_points(shape, parameters)
@@ -118,6 +121,9 @@ def full_trunks(shape: Shape, parameters: TrunkParameters | None = None) -> Trun
     """Candidate trunks with visibility and congruency tests, robust outside angles, for CRS (paper §4.1).
 
     A shape may have none.
+
+    >>> len(full_trunks(house)) > 0
+    True
     """
     parameters = parameters or TrunkParameters()
     candidates = sparse_points(shape, parameters)
@@ -128,7 +134,7 @@ def full_trunks(shape: Shape, parameters: TrunkParameters | None = None) -> Trun
     congruent = Congruency(congruent.score[kept], congruent.length[kept], congruent.turn[kept])
     convex = convex_points(shape, parameters)
     admissible = admissible_edges(shape, candidates, parameters, convex)
-    admissible &= _overlap(shape, candidates, congruent.length) < (parameters.max_overlap - TIE) * L_C
+    admissible &= shared_lengths(shape, candidates, congruent.length) < (parameters.max_overlap - TIE) * L_C
     return _assemble(shape, candidates, congruent.turn, admissible, len(convex), parameters)
 
 
@@ -138,73 +144,14 @@ def compared_trunks(
     parameters: TrunkParameters | None = None,
     necks: Callable[[], Reversibility] | None = None,
 ) -> Trunks:
-    """The trunks of a shape that QCRS compares; ``necks``, asked for by the paper variant alone, are found if not
-    given.
+    """The trunks of a shape that QCRS compares.
 
-    ``paper``: quick trunks (§5.2). ``tuned``: full trunks (§4.1), so that both scores choose among the same trunks, by
-    the same outside angles (ours).
+    ``paper``: quick trunks (§5.2). ``tuned``: full trunks (§4.1), so that both scores choose among the same trunks,
+    with the same outside angles (ours). ``necks`` is called by the paper variant alone, instead of `reversibility`.
     """
     if variant == "tuned":
         return full_trunks(shape, parameters)
     return quick_trunks(shape, parameters, None if necks is None else necks())
-
-
-def admissible_edges(
-    shape: Shape, candidates: IntArray, parameters: TrunkParameters, convex: IntArray | None = None
-) -> BoolArray:
-    """(c, c) whether the edge from candidate i to candidate j, with the boundary between them, may be a trunk's.
-
-    The boundary between them holds a convex point (paper: of the boundary simplified with τ_s; ours: the edge's ends do
-    not count) and is shorter than ``max_arc`` of the whole; the exterior piece has area above ``min_area``; at least
-    ``min_inside`` of the edge is inside the closed shape. What is within `riot.kernels.simplify.TIE` of a limit
-    counts as on it, so that rounding does not choose among the trunks of symmetric shapes (ours). ``convex``: the
-    shape's `riot.scores.vertices.convex_points`, found if not given.
-    """
-    lengths = arc_length(shape.points)
-    arcs = _arcs(lengths, candidates)
-    admissible: BoolArray = (arcs > 0.0) & (arcs < (parameters.max_arc - TIE) * lengths[-1])
-    admissible &= _contains_mark(candidates, convex_points(shape, parameters) if convex is None else convex)
-    admissible &= exterior_areas(shape.points, candidates) > parameters.min_area + TIE
-    shares = inside_shares(shape.points, candidates, admissible, TOUCH)
-    admissible &= np.nan_to_num(shares) >= parameters.min_inside - TIE
-    return admissible
-
-
-def exterior_areas(points: FloatArray, candidates: IntArray) -> FloatArray:
-    """(c, c) signed area between the boundary from candidate i to j and the edge i–j; positive outside the edge."""
-    running = swept_area(points)
-    swept = running[candidates][None, :] - running[candidates][:, None]
-    swept = np.where(candidates[None, :] < candidates[:, None], swept + running[-1], swept)
-    x, y = points[candidates].T
-    areas: FloatArray = swept + 0.5 * (x[None, :] * y[:, None] - y[None, :] * x[:, None])
-    return areas
-
-
-def _arcs(lengths: FloatArray, candidates: IntArray) -> FloatArray:
-    """(c, c) boundary length from candidate i forwards to candidate j, of the arc ``lengths`` (m + 1,)."""
-    at = lengths[candidates]
-    arcs: FloatArray = np.mod(at[None, :] - at[:, None], lengths[-1])
-    return arcs
-
-
-def _contains_mark(candidates: IntArray, marks: IntArray) -> BoolArray:
-    """(c, c) whether a mark lies strictly between candidates i and j, going forwards."""
-    upto = np.searchsorted(marks, candidates, side="right")
-    before = np.searchsorted(marks, candidates, side="left")
-    between = before[None, :] - upto[:, None]
-    between = np.where(candidates[None, :] < candidates[:, None], between + len(marks), between)
-    contains: BoolArray = between > 0
-    return contains
-
-
-def _overlap(shape: Shape, candidates: IntArray, lengths: FloatArray) -> FloatArray:
-    """(c, c) length that the congruent stretches of candidates i and j share on the boundary from i to j.
-
-    What of a stretch runs on beyond the other candidate is not on that boundary; negative if they do not meet.
-    """
-    arcs = _arcs(arc_length(shape.points), candidates)
-    overlap: FloatArray = np.minimum(lengths[:, None], arcs) + np.minimum(lengths[None, :], arcs) - arcs
-    return overlap
 
 
 def _assemble(
@@ -218,7 +165,7 @@ def _assemble(
     """All trunks of up to ``most`` vertices over the admissible edges."""
     points = shape.points[candidates]
     exterior = exterior_areas(shape.points, candidates)
-    found_by_n = []
+    groups = []
     allowed = parameters.max_trunks
     for n in range(3, min(most, parameters.max_vertices) + 1):
         chosen, longer = enumerate_convex(points, admissible, n, allowed + 1)
@@ -226,10 +173,10 @@ def _assemble(
             break
         allowed -= len(chosen)
         if len(chosen):
-            found_by_n.append(_describe(points, exterior, candidates, thetas, chosen))
+            groups.append(_describe(points, exterior, candidates, thetas, chosen))
         if not longer:
             break
-    return _join(found_by_n)
+    return _join(groups)
 
 
 def _describe(
@@ -257,15 +204,12 @@ def _describe(
 
 
 def _join(groups: list[Trunks]) -> Trunks:
-    if not groups:
-        none = np.empty(0)
-        return Trunks(np.zeros(1, dtype=np.int64), np.empty(0, dtype=np.int32), none, none, none, none)
-    sizes = np.concatenate([group.sizes for group in groups])
+    sizes = np.concatenate([np.zeros(0, dtype=np.int64), *(group.sizes for group in groups)])
     return Trunks(
-        offsets=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
-        vertices=np.concatenate([group.vertices for group in groups]),
-        edges=np.concatenate([group.edges for group in groups]),
-        alphas=np.concatenate([group.alphas for group in groups]),
-        thetas=np.concatenate([group.thetas for group in groups]),
-        areas=np.concatenate([group.areas for group in groups]),
+        offsets=running(sizes),
+        vertices=joined(groups, "vertices", np.int32),
+        edges=joined(groups, "edges"),
+        alphas=joined(groups, "alphas"),
+        thetas=joined(groups, "thetas"),
+        areas=joined(groups, "areas"),
     )

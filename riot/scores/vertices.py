@@ -17,7 +17,7 @@ from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
 
 CURVE_SPACING = L_C / 100
-"""Sampling step of the stretches whose Fréchet distance is taken (the paper's boundary spacing)."""
+"""Sampling step of the two sides whose Fréchet distance is computed. Paper §6: the spacing of the boundary."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,11 +27,11 @@ class Congruency:
     Parameters
     ----------
     score : (k,) float64
-        S_c of eq. (2): 0 where no stretch is long enough or congruent enough.
+        S_c of eq. (2): 0 where no length is long enough and congruent enough.
     length : (k,) float64
-        Length ℓ of the longest congruent stretch on either side; 0 without one.
+        Length ℓ of the longest congruent sides; 0 without them.
     turn : (k,) float64
-        Outside angle θ, radians: the turn that carries the stretch behind the point onto the one ahead of it.
+        Outside angle θ, radians: the turn that brings the boundary behind the point onto that ahead of it.
     """
 
     score: FloatArray
@@ -61,8 +61,8 @@ def convex_points(shape: Shape, parameters: TrunkParameters) -> IntArray:
 def passes_visibility(shape: Shape, indices: IntArray) -> BoolArray:
     """(k,) the binary score of eq. (1): False at points from which too much of the shape is hidden.
 
-    That is: as much area as a circle with the visible region's perimeter has, or half the boundary or more in one
-    hidden region.
+    Too much is the area of a circle with the perimeter of the visible region, or half the boundary in one hidden
+    region.
     """
     lengths = arc_length(shape.points)
     area, perimeter, hidden = seen_from(shape.points, lengths, indices).T
@@ -72,11 +72,11 @@ def passes_visibility(shape: Shape, indices: IntArray) -> BoolArray:
 
 
 def congruency(shape: Shape, indices: IntArray, parameters: TrunkParameters) -> Congruency:
-    """S_c, stretch length and robust outside angle at boundary points (eq. 2; how ℓ is found is ours).
+    """S_c, length ℓ and robust outside angle at boundary points (eq. 2; how ℓ is found is ours).
 
-    For every break point of the simplified boundary, ℓ is its distance along the boundary; the stretch of that length
-    behind the point is turned about it onto the stretch ahead, by the least-squares angle. The longest ℓ whose discrete
-    Fréchet distance still gives S_c ≥ τ_c counts.
+    Candidates for ℓ are the distances along the boundary to the break points of the simplified boundary. The boundary
+    of length ℓ behind the point is turned about it onto that ahead, by the least-squares angle. The longest ℓ whose
+    discrete Fréchet distance gives S_c ≥ τ_c counts.
     """
     lengths = arc_length(shape.points)
     sigma = parameters.sigma_c * D_C

@@ -19,7 +19,8 @@ from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.segments import inside_shares
 from riot.kernels.visibility import seen_from
 from riot.parameters import TrunkParameters
-from riot.scores.trunks import Trunks, admissible_edges, full_trunks, quick_trunks
+from riot.scores.edges import admissible_edges
+from riot.scores.trunks import Trunks, full_trunks, quick_trunks
 from riot.scores.vertices import congruency, convex_points, passes_visibility, sparse_points
 from riot.units import L_C
 

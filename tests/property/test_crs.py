@@ -229,7 +229,7 @@ def test_the_capacity_for_candidates_changes_nothing(capacity: int, monkeypatch:
     a, b = blob(1), blob(2)
     trunks_a, trunks_b = thinned(full_trunks(a), 40), thinned(full_trunks(b), 40)
     expected = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
-    monkeypatch.setattr("riot.scores.crs.FIRST_CAPACITY", capacity)
+    monkeypatch.setattr("riot.scores.crs.FIRST_LISTED", capacity)
     scores = best_trunk_pairs(a, b, trunks_a, trunks_b, count=5)
     assert [score.score for score in scores] == [score.score for score in expected]
     assert all(np.array_equal(x.trunk_b, y.trunk_b) for x, y in zip(scores, expected, strict=True))
