@@ -135,7 +135,7 @@ def curve(rng: np.random.Generator, start: FloatArray, end: FloatArray, bend: fl
     """A polyline, (k, 2), from start to end: straight if ``bend`` is 0, else with three waves of about bend × length.
 
     >>> len(curve(np.random.default_rng(0), np.zeros(2), np.ones(2), bend=0.3))
-    50
+    49
     """
     if bend == 0.0:
         return np.array([start, end])

@@ -224,7 +224,7 @@ def test_shapes_without_trunks_of_one_n_have_no_trunk_pair() -> None:
     assert best_trunk_pairs(a, a, triangles, squares) == []
 
 
-@pytest.mark.parametrize("room", [1, 2, 7, 100_000])
+@pytest.mark.parametrize("capacity", [1, 2, 7, 100_000])
 def test_the_capacity_for_candidates_changes_nothing(capacity: int, monkeypatch: pytest.MonkeyPatch) -> None:
     a, b = blob(1), blob(2)
     trunks_a, trunks_b = thinned(full_trunks(a), 40), thinned(full_trunks(b), 40)
