@@ -6,9 +6,10 @@ import dataclasses
 import re
 
 import pytest
+from omegaconf import OmegaConf
 
 from pipeline import exit_codes
-from pipeline.config.conf_files import allowed_names, group_choices, parameter_groups
+from pipeline.config.conf_files import allowed_names, group_choices, parameter_groups, plain_defaults
 from pipeline.config.help import WIDTH
 from pipeline.config.parameter_table import parameter_table, sections
 from pipeline.run import main
@@ -53,3 +54,12 @@ def test_the_table_has_a_row_for_every_parameter_and_no_broken_cell() -> None:
         row.name for section in sections() for row in section.rows
     ]
     assert {line.count("|") for line in rows} == {6}
+
+
+def test_flags_of_hydra_reach_it(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--hydra-help"]) == exit_codes.CLEAN and "Hydra" in capsys.readouterr().out
+    for arguments in (["select=paper", "--cfg", "job", "--package", "select"], ["--cfg", "job", "select=paper"]):
+        assert main(arguments) == exit_codes.CLEAN
+        values = OmegaConf.to_container(OmegaConf.create(capsys.readouterr().out))
+        assert isinstance(values, dict)
+        assert values.get("select", values) == {**plain_defaults()["select"], "policy": "paper"}

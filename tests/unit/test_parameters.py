@@ -6,6 +6,8 @@ import dataclasses
 import math
 import pickle
 import typing
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,7 @@ import pytest
 
 import riot.parameters
 from riot.errors import ParameterError, RiotError
-from riot.parameters import ParameterGroup
+from riot.parameters import ParameterGroup, parameter
 from riot.parameters.field import describe
 
 GROUPS: list[type[ParameterGroup]] = [
@@ -84,3 +86,45 @@ def test_types_are_those_that_are_written() -> None:
     for group, field in FIELDS:
         kind = typing.get_type_hints(group)[field.name]
         assert kind in (int, float) or typing.get_origin(kind) in (typing.Literal, tuple)
+
+
+def parse_folder(value: Any) -> Path:
+    if isinstance(value, str | Path) and str(value):
+        return Path(value)
+    raise ValueError(f"expected a path, got {value!r}")
+
+
+@dataclass(frozen=True)
+class Settings(ParameterGroup):
+    """A parameter of each kind that is no plain number."""
+
+    folder: Path = parameter(Path("here"), parse=parse_folder, meaning="A path.")
+    limit: int | None = parameter(None, at_least=1, unit="items", meaning="A number or null.")
+    widths: tuple[float, ...] = parameter((1.0,), above=0, meaning="A list of numbers.")
+    fast: bool = parameter(False, meaning="A flag.")
+
+
+def test_every_kind_of_value_is_taken_in_the_form_of_a_command_line() -> None:
+    settings = Settings(folder="there", limit=3, widths=[1, 2.5], fast=True)  # type: ignore[arg-type]
+    assert settings == Settings(Path("there"), 3, (1.0, 2.5), True)
+    assert all(type(width) is float for width in settings.widths)
+    assert dataclasses.replace(settings, limit=None).limit is None and Settings(widths=()).widths == ()
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"folder": ""}, "folder: expected a path, got ''"),
+        ({"folder": None}, "folder: expected a path, got None"),
+        ({"limit": 0}, "limit: must be 1 or more items, or null, got 0"),
+        ({"limit": "3"}, "limit: expected a whole number or null, got '3'"),
+        ({"widths": [1.0, -2]}, "widths[1]: must be greater than 0, got -2"),
+        ({"widths": [1.0, "a"]}, "widths[1]: expected a number, got 'a'"),
+        ({"widths": 1.0}, "widths: expected a list such as [a,b], got 1.0"),
+        ({"fast": 1}, "fast: expected true or false, got 1"),
+    ],
+)
+def test_a_wrong_value_of_any_kind_is_named(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        Settings(**values)
+    assert str(caught.value) == message

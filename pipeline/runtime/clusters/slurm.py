@@ -35,7 +35,7 @@ def open_slurm(config: ClusterConfig, root: Location | None, listen: Listener) -
     try:
         cluster = slurm_jobs.slurm_cluster(config)
     except (OSError, RuntimeError, ValueError) as error:  # no such interface, a size that is none, a folder for logs
-        raise StartError(f"cluster=slurm: {error}; conf/cluster/slurm.yaml has its parameters") from error
+        raise StartError(f"cluster=slurm: {error}; `python -m pipeline.run --help` lists its parameters") from error
     with cluster, Client(cluster) as client:
         jobs = slurm_jobs.Jobs(cluster, config.jobs, lambda text: listen(Note(text)))
         jobs.submit()
