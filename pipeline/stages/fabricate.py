@@ -25,7 +25,7 @@ from riot.parameters import FabricationParameters
 
 if TYPE_CHECKING:
     from riot.draw.texture.paint import Texture
-    from riot.fabricate.certificate import Built
+    from riot.fabricate.certificate import BuiltPuzzle
     from riot.transform.transform import Transform
 
 
@@ -65,7 +65,7 @@ def _made(source: Transform, sizes: FabricationParameters, mend: bool, paper: bo
     return Artifact(files, {"status": "certified", "reason": "", "message": "", **measured})
 
 
-def _files(puzzle: Built, paper: bool, textures: Mapping[Side, Texture]) -> dict[str, AnyArray]:
+def _files(puzzle: BuiltPuzzle, paper: bool, textures: Mapping[Side, Texture]) -> dict[str, AnyArray]:
     def paperwork(where: Path) -> None:
         fabricate.export.paperwork.write_paperwork(puzzle.design, where, textures, dxf=False)
 
@@ -80,7 +80,7 @@ def _asked(sizes: FabricationParameters) -> dict[str, Any]:
     return {"size": sizes.size_mm, "thickness": sizes.height, "pin": sizes.pin_mm}
 
 
-def _measured(puzzle: Built) -> dict[str, Any]:
+def _measured(puzzle: BuiltPuzzle) -> dict[str, Any]:
     design, certificate = puzzle.design, puzzle.certificate
     pieces = [check for check in certificate.parts if not math.isnan(check.wall)]
     motion = certificate.motion

@@ -248,9 +248,11 @@ def _parser(more: Sequence[Callable[[Commands], None]]) -> argparse.ArgumentPars
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     make_parser = commands.add_parser("make", help="turn one silhouette inside out into another")
     trunks_parser = commands.add_parser("trunks", help="list the trunk pairs that make can be told to use")
-    for each in (make_parser, trunks_parser):
-        each.add_argument("a", type=Path, metavar="A", help="a picture (PNG, GIF, BMP, TIFF, JPEG) or an SVG file")
-        each.add_argument("b", type=Path, metavar="B", help="another one")
+    for of_two_files in (make_parser, trunks_parser):
+        of_two_files.add_argument(
+            "a", type=Path, metavar="A", help="a picture (PNG, GIF, BMP, TIFF, JPEG) or an SVG file"
+        )
+        of_two_files.add_argument("b", type=Path, metavar="B", help="another one")
     trunks_parser.set_defaults(run=_trunks)
     make_parser.add_argument("--rank", type=int, metavar="K", help="use the trunk pair of this rank of `riot trunks`")
     make_parser.add_argument(

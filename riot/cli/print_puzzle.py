@@ -75,17 +75,17 @@ def print_puzzle(
     cannot be written; then nothing is written.
     """
     check_folder(folder)
-    made = (fix if mend else build)(transform, parameters)
-    certificate = made.certificate
+    puzzle = (fix if mend else build)(transform, parameters)
+    certificate = puzzle.certificate
     Console().print(certificate.table())
-    for line in (*certificate.words(), *(f"changed: {words}" for words in made.changes)):
+    for line in (*certificate.words(), *(f"changed: {words}" for words in puzzle.changes)):
         print(line)
-    for words in made.design.warnings:
+    for words in puzzle.design.warnings:
         print(f"warning: {words}")
     print(f"certificate: {'passed' if certificate.passed else 'failed'}")
     if not certificate.passed:
         raise FabricationError("uncertified", "; ".join(certificate.failures))
-    return write_puzzle(made.design, made.parts, certificate, folder, more(made.design) if more else ())
+    return write_puzzle(puzzle.design, puzzle.parts, certificate, folder, more(puzzle.design) if more else ())
 
 
 def _print(chosen: argparse.Namespace) -> int:
@@ -98,9 +98,9 @@ def _print(chosen: argparse.Namespace) -> int:
     textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern)
     paper = chosen.paper or chosen.dxf or bool(textures)
 
-    def more(made: Design) -> list[Callable[[Path], None]]:
+    def more(design: Design) -> list[Callable[[Path], None]]:
         def write(folder: Path) -> None:
-            export.paperwork.write_paperwork(made, folder, textures, dxf=chosen.dxf)
+            export.paperwork.write_paperwork(design, folder, textures, dxf=chosen.dxf)
 
         return [write]
 

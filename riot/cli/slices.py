@@ -128,7 +128,7 @@ def slice_model(chosen: argparse.Namespace, search: Search, sampling: ShapeParam
     slices.files.write_set(stack, outcomes, chosen.output, _paperwork if chosen.paper else None)
     _print_table(stack, outcomes)
     print(chosen.output)
-    return MADE if all(each.puzzle is not None for each in outcomes) else SOME_FAILED
+    return MADE if all(outcome.puzzle is not None for outcome in outcomes) else SOME_FAILED
 
 
 def _paperwork(puzzle: slices.Puzzle) -> list[Callable[[Path], None]]:
@@ -149,11 +149,11 @@ def _print_table(stack: slices.Stack, outcomes: Sequence[slices.SliceOutcome]) -
     table = Table(title=title, title_justify="left")
     for name in ("slice", "cm²", "filled", "left out", "becomes", "pieces", "IoU slice", "IoU becomes", "remarks"):
         table.add_column(name, justify="left" if name in ("becomes", "remarks") else "right")
-    for each in outcomes:
-        cut, puzzle = each.slice, each.puzzle
+    for outcome in outcomes:
+        cut, puzzle = outcome.slice, outcome.puzzle
         row = [str(cut.number), *(f"{area / 100.0:.2f}" for area in (cut.area, cut.filled, cut.lost))]
         if puzzle is None:
-            row += ["–", "", "", "", f"not made: {each.reason}"]
+            row += ["–", "", "", "", f"not made: {outcome.reason}"]
         else:
             ious = [f"{iou:.3f}" for iou in overlap_ratios(puzzle.transform)]
             row += [puzzle.counterpart, str(len(puzzle.transform)), *ious, "; ".join(puzzle.built.changes)]

@@ -13,21 +13,15 @@ from dataclasses import dataclass, replace
 from rich.table import Table
 
 from riot.errors import FabricationError
-from riot.fabricate.checks import HingeCheck, MotionCheck, PartCheck, check_hinges, check_motion, check_part
 from riot.fabricate.design import design
+from riot.fabricate.hinge_check import HingeCheck, check_hinges
 from riot.fabricate.model import Design
+from riot.fabricate.motion_check import MotionCheck, check_motion
+from riot.fabricate.part_check import PartCheck, check_part
 from riot.fabricate.solid import Part, make_parts
+from riot.fabricate.tuning import FILAMENT_MM, GREATEST_WALL_MM, SIZE_FACTOR, WALL_STEP_MM
 from riot.parameters import FabricationParameters, allowed_range
 from riot.transform.transform import Transform
-
-LARGER = 1.25
-"""A size is enlarged by this factor at a time if nothing tells how much is enough."""
-
-THIN_PIN = 1.75
-"""Diameter of the filament that serves as a thinner pin, mm."""
-
-WALL_STEP, THICKEST_WALL = 0.6, 4.0
-"""Knuckles' walls are thickened by so much at a time, and up to this, mm."""
 
 MENDED = ("size_mm", "pin_mm", "wall_mm")
 """What `fix` may change."""
@@ -44,8 +38,8 @@ class FabricationCertificate:
     @property
     def failures(self) -> tuple[str, ...]:
         """Which checks fail, in words: the part or the hinge, the pose, and the parameter that would mend it."""
-        said = [check.failures for check in self.parts] + [check.failures for check in self.hinges]
-        return tuple(words for each in (*said, self.motion.failures) for words in each)
+        check_failures = [check.failures for check in self.parts] + [check.failures for check in self.hinges]
+        return tuple(words for of_check in (*check_failures, self.motion.failures) for words in of_check)
 
     @property
     def passed(self) -> bool:
@@ -82,16 +76,16 @@ class FabricationCertificate:
 
     def words(self) -> list[str]:
         """The hinges and the motion, a line each."""
-        said = [
+        lines = [
             f"hinge {check.hinge}: {check.kind}, {check.axial_gap:.2f} mm along the axis, "
             f"{check.male_gap:.2f} and {check.female_gap:.2f} mm around it"
             for check in self.hinges
         ]
         motion = self.motion
-        proof = f"proven at every moment ({motion.looked} poses of two pieces)" if motion.proven else "not proven"
-        said.append(f"motion: pieces keep {motion.floor:.3f} mm apart, {proof}; least gap found {motion.gap:.3f} mm")
-        said.append(f"solids cut with each other at {motion.poses} poses: {motion.overlap:.2g} mm³ in common at most")
-        return said
+        proof = f"proven at every moment ({motion.examined} poses of two pieces)" if motion.proven else "not proven"
+        lines.append(f"motion: pieces keep {motion.floor:.3f} mm apart, {proof}; least gap found {motion.gap:.3f} mm")
+        lines.append(f"solids cut with each other at {motion.poses} poses: {motion.overlap:.2g} mm³ in common at most")
+        return lines
 
 
 def certify(design: Design, parts: tuple[Part, ...] | None = None) -> FabricationCertificate:
@@ -106,7 +100,7 @@ def certify(design: Design, parts: tuple[Part, ...] | None = None) -> Fabricatio
 
 
 @dataclass(frozen=True, eq=False)
-class Built:
+class BuiltPuzzle:
     """A design with its solids and their certificate, and what `fix` changed of the parameters asked for, in words."""
 
     design: Design
@@ -115,17 +109,17 @@ class Built:
     changes: tuple[str, ...] = ()
 
 
-def build(transform: Transform, parameters: FabricationParameters | None = None) -> Built:
+def build(transform: Transform, parameters: FabricationParameters | None = None) -> BuiltPuzzle:
     """Design, build and verify with just these parameters; the certificate of what comes back may fail.
 
     Raises `riot.errors.FabricationError` for what cannot exist.
     """
-    made = design(transform, parameters)
-    parts = make_parts(made)
-    return Built(made, parts, certify(made, parts))
+    puzzle_design = design(transform, parameters)
+    parts = make_parts(puzzle_design)
+    return BuiltPuzzle(puzzle_design, parts, certify(puzzle_design, parts))
 
 
-def fix(transform: Transform, parameters: FabricationParameters | None = None, *, enlarge: bool = True) -> Built:
+def fix(transform: Transform, parameters: FabricationParameters | None = None, *, enlarge: bool = True) -> BuiltPuzzle:
     """Design, build and verify; thin the pin, enlarge the size or thicken knuckles, as allowed, until it passes.
 
     Without ``enlarge`` the size stays as it is.
@@ -137,11 +131,11 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None, *
     tried = asked
     while True:
         try:
-            made = build(transform, tried)
-            if made.certificate.passed:
-                return replace(made, changes=_changes(asked, tried))
-            mend = next((check.mend for check in made.certificate.parts if check.failures), "size_mm")
-            error = FabricationError("uncertified", "; ".join(made.certificate.failures), mend)
+            puzzle = build(transform, tried)
+            if puzzle.certificate.passed:
+                return replace(puzzle, changes=_changes(asked, tried))
+            mend = next((check.mend for check in puzzle.certificate.parts if check.failures), "size_mm")
+            error = FabricationError("uncertified", "; ".join(puzzle.certificate.failures), mend)
         except FabricationError as caught:
             error = caught
         following = _next(tried, error, enlarge) if error.parameter in MENDED else None
@@ -157,14 +151,16 @@ def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) 
     which keeps the size that was asked for.
     """
     if error.parameter == "wall_mm":
-        wall = round(tried.wall_mm + WALL_STEP, 3)
-        return replace(tried, wall_mm=wall) if wall <= THICKEST_WALL else None
-    if tried.pin_mm > THIN_PIN:
-        return replace(tried, pin_mm=THIN_PIN)
+        wall = round(tried.wall_mm + WALL_STEP_MM, 3)
+        return replace(tried, wall_mm=wall) if wall <= GREATEST_WALL_MM else None
+    if tried.pin_mm > FILAMENT_MM:
+        return replace(tried, pin_mm=FILAMENT_MM)
     greatest = allowed_range(FabricationParameters, "size_mm")[1]
     if not enlarge or tried.size_mm >= greatest:
         return None
-    wished = error.value if error.parameter == "size_mm" and error.value > tried.size_mm else LARGER * tried.size_mm
+    wished = (
+        error.value if error.parameter == "size_mm" and error.value > tried.size_mm else SIZE_FACTOR * tried.size_mm
+    )
     return replace(tried, size_mm=float(min(greatest, math.ceil(wished))))
 
 
@@ -172,13 +168,13 @@ def _hopeless(error: FabricationError, changes: tuple[str, ...]) -> FabricationE
     """The error of the last try with what was tried before it."""
     if not changes:
         return error
-    said = f"{error} (tried with {', '.join(changes)})"
-    return FabricationError(error.reason, said, error.parameter, error.value)
+    message = f"{error} (tried with {', '.join(changes)})"
+    return FabricationError(error.reason, message, error.parameter, error.value)
 
 
-def _changes(asked: FabricationParameters, made: FabricationParameters) -> tuple[str, ...]:
+def _changes(asked: FabricationParameters, used: FabricationParameters) -> tuple[str, ...]:
     return tuple(
-        f"{name}: {getattr(made, name):g} instead of {getattr(asked, name):g}"
+        f"{name}: {getattr(used, name):g} instead of {getattr(asked, name):g}"
         for name in MENDED
-        if getattr(made, name) != getattr(asked, name)
+        if getattr(used, name) != getattr(asked, name)
     )

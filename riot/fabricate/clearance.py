@@ -11,29 +11,22 @@ import shapely
 from shapely import affinity
 
 from riot.fabricate.model import HingeEnd, PieceDesign, filled, polygons
-from riot.fabricate.outlines import disc, parts, subtract
+from riot.fabricate.outlines import disc, polygons_by_area, subtract
 from riot.fabricate.sub_chains import SubChain, moving, sub_chain_at
+from riot.fabricate.tuning import (
+    GAP_CAP_MM,
+    HEIGHT_TOLERANCE_MM,
+    QUARTER_SEGMENTS,
+    SHAVE_MARGIN_MM,
+    SHAVE_ROUNDS,
+    SHAVE_SAMPLES,
+)
 from riot.kernels.collide import clear_share, separation
 from riot.transform.motion import Motion
 from riot.types import FloatArray, IntArray
 
-CAP_MM = 3.0
-"""Gaps beyond this need not be exact."""
-
-HEIGHT_TOLERANCE = 1e-6
-"""Heights that differ by less are the same, mm."""
-
-TRIES = 12
-"""So often a place between samples is mended."""
-
-FINER = 33
-"""Samples of such a place."""
-
-_NOTHING = HingeEnd(-1, "open", "none", 0.0, 0.0, (), (), 0.0)
-_NO_ROOM = _NOTHING, _NOTHING
-
-MARGIN = 0.01
-"""Taken off beyond the gap, mm: for what happens between samples."""
+_NO_HINGE = HingeEnd(-1, "open", "none", 0.0, 0.0, (), (), 0.0)
+_NO_HINGES = _NO_HINGE, _NO_HINGE
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,19 +58,19 @@ def make_regions(
     covers: list[shapely.Geometry], ends: list[tuple[HingeEnd, HingeEnd]], lengths: list[float]
 ) -> Regions:
     """The regions of pieces in chain order."""
-    found = []
+    covered = []
     for cover, pair in zip(covers, ends, strict=True):
-        found += [cover, *(outside(cover, end) for end in pair)]
-    rings = [[shapely.get_coordinates(part.exterior)[:-1] for part in polygons(region)] for region in found]
-    flat = [ring for some in rings for ring in some]
+        covered += [cover, *(outside(cover, end) for end in pair)]
+    rings = [[shapely.get_coordinates(polygon.exterior)[:-1] for polygon in polygons(region)] for region in covered]
+    flat = [ring for of_region in rings for ring in of_region]
     reaches = []
-    for some, length in zip(rings[::3], lengths, strict=True):
-        points = np.concatenate([np.zeros((1, 2)), *some])
+    for of_region, length in zip(rings[::3], lengths, strict=True):
+        points = np.concatenate([np.zeros((1, 2)), *of_region])
         reaches.append([np.hypot(points[:, 0] - x, points[:, 1]).max() for x in (0.0, length)])
     return Regions(
         np.concatenate([np.empty((0, 2)), *flat]),
         _offsets([len(ring) for ring in flat]),
-        _offsets([len(some) for some in rings]),
+        _offsets([len(of_region) for of_region in rings]),
         np.array(lengths),
         np.array(reaches),
     )
@@ -92,22 +85,22 @@ def outside(region: shapely.Geometry, end: HingeEnd) -> shapely.Geometry:
 
 def least_gaps(sub_chain: SubChain, regions: Regions) -> list[Nearest]:
     """The least gap of every two pieces over the samples of a sub-chain, `CAP_MM` or more if it is wider."""
-    found = []
+    nearest = []
     for i, j in combinations(range(len(sub_chain.pieces)), 2):
         gaps = pair_gaps(sub_chain, regions, i, j)
         k = int(gaps.argmin())
-        found.append(Nearest(i, j, float(gaps[k]), k))
-    return found
+        nearest.append(Nearest(i, j, float(gaps[k]), k))
+    return nearest
 
 
 def pair_gaps(sub_chain: SubChain, regions: Regions, i: int, j: int) -> FloatArray:
     """(k,) gap of two pieces at every sample, mm; `CAP_MM` or more where it is wider."""
     a, b = (3 * i + 2, 3 * j + 1) if j == i + 1 else (3 * i, 3 * j)
-    at = sub_chain.seen_from(i, sub_chain.points[:, j])
+    position = sub_chain.seen_from(i, sub_chain.points[:, j])
     turned = sub_chain.headings[:, j] - sub_chain.headings[:, i]
-    places = np.concatenate([at, turned[:, None]], axis=1)
+    poses = np.concatenate([position, turned[:, None]], axis=1)
     return np.array(
-        [separation(regions.points, regions.rings, regions.bodies, a, b, place, CAP_MM) for place in places]
+        [separation(regions.points, regions.rings, regions.bodies, a, b, pose, GAP_CAP_MM) for pose in poses]
     )
 
 
@@ -116,9 +109,9 @@ class Proof:
     """Whether pieces stay apart at every moment of the motion, up to which time that is shown, and at how many poses of
     two pieces they were looked at."""
 
-    holds: bool
+    complete: bool
     time: float
-    looked: int
+    examined: int
 
 
 def proven(motion: Motion, sub_chain: SubChain, regions: Regions, floor: float) -> Proof:
@@ -129,28 +122,28 @@ def proven(motion: Motion, sub_chain: SubChain, regions: Regions, floor: float) 
     return _proven(motion, sub_chain.pieces[1:], regions, floor)
 
 
-def proven_at_hinge(motion: Motion, one: PieceDesign, two: PieceDesign, floor: float) -> Proof:
+def proven_at_hinge(motion: Motion, before: PieceDesign, after: PieceDesign, floor: float) -> Proof:
     """Whether two pieces on one pin hinge stay ``floor`` mm or more apart wherever both have something at one height.
 
     Their knuckles, and the room for them, count as they are.
     """
-    looked = 0
-    for below in one.slabs:
-        for above in two.slabs:
-            if min(below.high, above.high) - max(below.low, above.low) > HEIGHT_TOLERANCE:
+    examined = 0
+    for below in before.slabs:
+        for above in after.slabs:
+            if min(below.high, above.high) - max(below.low, above.low) > HEIGHT_TOLERANCE_MM:
                 sections = [filled(below.section), filled(above.section)]
-                regions = make_regions(sections, [_NO_ROOM, _NO_ROOM], [one.length, two.length])
-                proof = _proven(motion, np.array([two.start.hinge]), regions, floor)
-                looked += proof.looked
-                if not proof.holds:
-                    return Proof(False, proof.time, looked)
-    return Proof(True, 1.0, looked)
+                regions = make_regions(sections, [_NO_HINGES, _NO_HINGES], [before.length, after.length])
+                proof = _proven(motion, np.array([after.start.hinge]), regions, floor)
+                examined += proof.examined
+                if not proof.complete:
+                    return Proof(False, proof.time, examined)
+    return Proof(True, 1.0, examined)
 
 
 def _proven(motion: Motion, hinges: IntArray, regions: Regions, floor: float) -> Proof:
     times = moving(motion)
     turns = motion.turns[np.isin(motion.times, times)][:, hinges]
-    looked = 0
+    examined = 0
     if len(hinges) == 0:
         return Proof(True, 1.0, 0)
     for k in range(len(times) - 1):
@@ -163,13 +156,13 @@ def _proven(motion: Motion, hinges: IntArray, regions: Regions, floor: float) ->
             turns[k].copy(),
             turns[k + 1].copy(),
             floor,
-            CAP_MM,
+            GAP_CAP_MM,
             False,
         )
-        looked += int(checks)
+        examined += int(checks)
         if share < 1.0:
-            return Proof(False, float(times[k] + share * (times[k + 1] - times[k])), looked)
-    return Proof(True, 1.0, looked)
+            return Proof(False, float(times[k] + share * (times[k + 1] - times[k])), examined)
+    return Proof(True, 1.0, examined)
 
 
 def shaved(
@@ -186,24 +179,28 @@ def shaved(
     Planned motions let pieces slip by each other closer than that; the larger of the two pieces gives way. Done at all
     samples, then wherever between them the gap turns out to be less, `TRIES` times at most.
     """
-    made = list(bodies)
+    remaining = list(bodies)
     for sub_chain in chains:
-        _shave(made, ends, lengths, sub_chain, gap)
+        _shave(remaining, ends, lengths, sub_chain, gap)
         pieces = sub_chain.pieces.tolist()
-        for _ in range(TRIES):
-            regions = make_regions([made[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
+        for _ in range(SHAVE_ROUNDS):
+            regions = make_regions(
+                [remaining[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces]
+            )
             proof = proven(motion, sub_chain, regions, gap)
-            if proof.holds:
+            if proof.complete:
                 break
             before = int(np.searchsorted(sub_chain.times, proof.time, side="right")) - 1
             after = min(before + 2, len(sub_chain.times) - 1)
-            times = np.linspace(sub_chain.times[before], sub_chain.times[after], FINER)
-            _shave(made, ends, lengths, sub_chain_at(motion, scale, sub_chain.pieces, times), gap + MARGIN)
-    return made
+            times = np.linspace(sub_chain.times[before], sub_chain.times[after], SHAVE_SAMPLES)
+            _shave(
+                remaining, ends, lengths, sub_chain_at(motion, scale, sub_chain.pieces, times), gap + SHAVE_MARGIN_MM
+            )
+    return remaining
 
 
 def _shave(
-    made: list[shapely.Polygon],
+    bodies: list[shapely.Polygon],
     ends: list[tuple[HingeEnd, HingeEnd]],
     lengths: list[float],
     sub_chain: SubChain,
@@ -211,16 +208,16 @@ def _shave(
 ) -> None:
     """Take off of the pieces in ``made`` what is nearer than the gap at a sample."""
     pieces = sub_chain.pieces.tolist()
-    regions = make_regions([made[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
+    regions = make_regions([bodies[i] for i in pieces], [ends[i] for i in pieces], [lengths[i] for i in pieces])
     for i, j in combinations(range(len(pieces)), 2):
         near = np.flatnonzero(pair_gaps(sub_chain, regions, i, j) < gap)
         if len(near) == 0:
             continue
-        keep, cut = sorted((i, j), key=lambda k: made[pieces[k]].area)
-        kept = made[pieces[keep]]
+        keep, cut = sorted((i, j), key=lambda k: bodies[pieces[k]].area)
+        kept = bodies[pieces[keep]]
         if j == i + 1:
             kept = outside(kept, ends[pieces[keep]][1 if keep == i else 0])
-        made[pieces[cut]] = _shaved(sub_chain, made[pieces[cut]], kept, cut, keep, near, gap)
+        bodies[pieces[cut]] = _shaved(sub_chain, bodies[pieces[cut]], kept, cut, keep, near, gap)
 
 
 def _shaved(
@@ -233,14 +230,14 @@ def _shaved(
     gap: float,
 ) -> shapely.Polygon:
     """A member's body less a neighbour's, with the gap around it, at some samples."""
-    grown = other.buffer(gap + MARGIN, quad_segs=8)
+    grown = other.buffer(gap + SHAVE_MARGIN_MM, quad_segs=QUARTER_SEGMENTS)
     cuts = []
     for k in samples.tolist():
         turn = float(sub_chain.headings[k, neighbour] - sub_chain.headings[k, member])
         origin = sub_chain.seen_from(member, sub_chain.points[:, neighbour])[k]
         c, s = math.cos(turn), math.sin(turn)
         cuts.append(affinity.affine_transform(grown, [c, -s, s, c, *origin.tolist()]))
-    left = parts(subtract(body, shapely.union_all(cuts)))
+    left = polygons_by_area(subtract(body, shapely.union_all(cuts)))
     return shapely.Polygon(left[0].exterior) if left else shapely.Polygon()
 
 

@@ -14,11 +14,19 @@ import shapely
 from riot.errors import FabricationError as FabricationError
 from riot.fabricate.clearance import shaved
 from riot.fabricate.layers import make_slabs
-from riot.fabricate.model import Design, HingeEnd, Kind, PieceDesign, Pin
-from riot.fabricate.outlines import SPARE, corner, make_outline, mends, narrowest
+from riot.fabricate.model import Design, HingeEnd, HingePin, Kind, PieceDesign
+from riot.fabricate.outlines import corner_angle, make_outline, narrowest, widening_parameter
 from riot.fabricate.sub_chains import sub_chains
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Ring, Telescope, make_telescope
+from riot.fabricate.tuning import (
+    LARGE_HINGE_SHARE,
+    LARGE_LOSS_SHARE,
+    NARROW_CORNER,
+    OUTLINE_SPARE_MM,
+    SAME_CLEARANCE_RATIO,
+    STRONG_WALL_MM,
+)
 from riot.geometry.polyline import extent, signed_area
 from riot.motion.planner import motion_of, plan_motion
 from riot.parameters import FabricationParameters as FabricationParameters
@@ -27,21 +35,6 @@ from riot.transform.certificate import certify
 from riot.transform.motion import Motion
 from riot.transform.transform import Transform
 from riot.types import FloatArray
-
-NARROW = math.radians(25.0)
-"""A corner at a hinge narrower than this is weak."""
-
-STRONG_WALL = 1.6
-"""Two such walls, mm, are strong enough, however thick the knuckles' are."""
-
-GREAT_HINGES = 0.5
-"""Discs around a piece's hinges may be such a share of its area before it is worth telling."""
-
-GREAT_LOSS = 0.02
-"""A share of a piece's area that is worth telling."""
-
-ALIKE = 1.005
-"""Clearances that differ by less than this factor are the same: 0.35 mm of 120 mm are 0.00292, rounded."""
 
 
 def design(transform: Transform, parameters: FabricationParameters | None = None) -> Design:
@@ -73,11 +66,11 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
     bodies = shaved(bodies, ends, lengths, motion, chains, parameters.gap_mm, scale)
     pieces, warnings = [], []
     for i in range(len(transform)):
-        made = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], parameters)
-        pieces.append(made)
-        warnings += _remarks(made, raw[i], parameters)
+        piece_design = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], parameters)
+        pieces.append(piece_design)
+        warnings += _weaknesses(piece_design, raw[i], parameters)
     count = sum(end.kind == "pin" for _, end in ends)
-    pins = (Pin(parameters.pin_mm, parameters.height, count),) if count else ()
+    pins = (HingePin(parameters.pin_mm, parameters.height, count),) if count else ()
     return Design(transform, parameters, scale, motion, tuple(pieces), pins, telescope, tuple(warnings))
 
 
@@ -85,7 +78,7 @@ def _motion(transform: Transform, parameters: FabricationParameters, scale: floa
     """The transform's plan if the pieces of this design are within the bodies that it was planned for."""
     gap, relief = parameters.gap_mm / scale, parameters.relief_radius / scale
     motion = motion_of(transform)
-    if motion.gap <= gap * ALIKE and motion.relief <= relief * ALIKE:
+    if motion.gap <= gap * SAME_CLEARANCE_RATIO and motion.relief <= relief * SAME_CLEARANCE_RATIO:
         return motion
     side = parameters.size_mm / scale
     return plan_motion(transform, MotionParameters(gap=gap / side, relief=relief / side))
@@ -118,12 +111,14 @@ def _female(hinge: int, motion: Motion, parameters: FabricationParameters, teles
         return HingeEnd(hinge, kind, "none", 0.0, 0.0, (), (), 0.0)
     if kind == "telescopic":
         assert telescope is not None
-        room = telescope.radius + parameters.gap_mm + SPARE
-        return HingeEnd(hinge, kind, "male", 0.0, 0.0, telescope.rod, ((0.0, telescope.cap_height),), room)
+        relief_radius = telescope.radius + parameters.gap_mm + OUTLINE_SPARE_MM
+        return HingeEnd(hinge, kind, "male", 0.0, 0.0, telescope.rod, ((0.0, telescope.cap_height),), relief_radius)
     lower, _, _, upper = parameters.levels
     radius, hole = parameters.knuckle_radius, 0.5 * parameters.pin_mm + parameters.play_mm
     rings = Ring(0.0, lower, radius, hole), Ring(upper, height, radius, hole)
-    return HingeEnd(hinge, kind, "female", 0.0, 0.0, rings, ((lower, upper),), parameters.relief_radius + SPARE)
+    return HingeEnd(
+        hinge, kind, "female", 0.0, 0.0, rings, ((lower, upper),), parameters.relief_radius + OUTLINE_SPARE_MM
+    )
 
 
 def _male(
@@ -135,12 +130,16 @@ def _male(
         return HingeEnd(hinge, kind, "none", x, 0.0, (), (), 0.0)
     if kind == "telescopic":
         assert telescope is not None
-        room = telescope.radius + parameters.gap_mm + SPARE
-        return HingeEnd(hinge, kind, "female", x, 0.0, telescope.barrel, ((telescope.barrel_height, height),), room)
+        relief_radius = telescope.radius + parameters.gap_mm + OUTLINE_SPARE_MM
+        return HingeEnd(
+            hinge, kind, "female", x, 0.0, telescope.barrel, ((telescope.barrel_height, height),), relief_radius
+        )
     _, low, high, _ = parameters.levels
     radius, hole = parameters.knuckle_radius, 0.5 * parameters.pin_mm + parameters.clearance_mm
     rings = (Ring(low, high, radius, hole),)
-    return HingeEnd(hinge, kind, "male", x, 0.0, rings, ((0.0, low), (high, height)), parameters.relief_radius + SPARE)
+    return HingeEnd(
+        hinge, kind, "male", x, 0.0, rings, ((0.0, low), (high, height)), parameters.relief_radius + OUTLINE_SPARE_MM
+    )
 
 
 def _piece(
@@ -162,25 +161,25 @@ def _piece(
     )
 
 
-def _remarks(piece: PieceDesign, raw: FloatArray, parameters: FabricationParameters) -> list[str]:
+def _weaknesses(piece: PieceDesign, raw: FloatArray, parameters: FabricationParameters) -> list[str]:
     """What is weak in a piece, or lost."""
-    said = []
+    warnings = []
     for end in (piece.start, piece.end):
-        angle = corner(raw, end.x, end.relief_radius) if end.kind != "open" else math.pi
-        if angle < NARROW:
-            said.append(
+        angle = corner_angle(raw, end.x, end.relief_radius) if end.kind != "open" else math.pi
+        if angle < NARROW_CORNER:
+            warnings.append(
                 f"{piece.name}: its corner at hinge {end.hinge} is only {math.degrees(angle):.0f}° wide: a thicker "
                 "knuckle (wall_mm, pin_mm) holds better"
             )
-    wall, wanted = narrowest(piece), 2.0 * min(parameters.wall_mm, STRONG_WALL)
+    wall, wanted = narrowest(piece), 2.0 * min(parameters.wall_mm, STRONG_WALL_MM)
     if wall < wanted:
-        said.append(
+        warnings.append(
             f"{piece.name}: {wall:.1f} mm wide at its narrowest, less than two walls of {0.5 * wanted:g} mm: "
-            f"a larger {mends(piece, wanted)} helps"
+            f"a larger {widening_parameter(piece, wanted)} helps"
         )
     hinged = sum(math.pi * end.relief_radius**2 for end in (piece.start, piece.end)) / signed_area(piece.outline)
-    if hinged > GREAT_HINGES:
-        said.append(f"{piece.name}: its hinges are {hinged:.0%} as large as it: a larger size_mm helps")
-    if piece.lost > GREAT_LOSS:
-        said.append(f"{piece.name}: other pieces' hinges take {piece.lost:.1%} of it; a smaller pin_mm takes less")
-    return said
+    if hinged > LARGE_HINGE_SHARE:
+        warnings.append(f"{piece.name}: its hinges are {hinged:.0%} as large as it: a larger size_mm helps")
+    if piece.lost > LARGE_LOSS_SHARE:
+        warnings.append(f"{piece.name}: other pieces' hinges take {piece.lost:.1%} of it; a smaller pin_mm takes less")
+    return warnings

@@ -8,11 +8,10 @@ import shapely
 
 from riot.errors import FabricationError
 from riot.fabricate.model import HingeEnd, Slab
-from riot.fabricate.outlines import CRUMB, GRID, disc, parts, subtract
+from riot.fabricate.outlines import disc, polygons_by_area, subtract
 from riot.fabricate.telescope import Ring
+from riot.fabricate.tuning import CRUMB_SHARE, GRID_MM, HEIGHT_DIGITS, SIZE_FACTOR, SLIT_REACH_MM
 from riot.parameters import FabricationParameters
-
-_HEIGHT_DIGITS = 6
 
 
 def make_slabs(
@@ -25,11 +24,11 @@ def make_slabs(
     heights = {0.0, parameters.height}
     for end in ends:
         heights |= {z for ring in end.rings for z in (ring.low, ring.high)}
-        heights |= {z for room in end.relief for z in room}
-    levels = sorted({round(z, _HEIGHT_DIGITS) for z in heights})
+        heights |= {z for interval in end.relief for z in interval}
+    levels = sorted({round(z, HEIGHT_DIGITS) for z in heights})
     cells = _cells(body, ends)
     slabs = tuple(Slab(low, high, _section(cells, body, ends, 0.5 * (low + high))) for low, high in pairwise(levels))
-    return _one(index, slabs, ends, parameters)
+    return _connected(index, slabs, ends, parameters)
 
 
 def _cells(body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd]) -> list[shapely.Polygon]:
@@ -37,19 +36,19 @@ def _cells(body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd]) -> list[shape
     regions: list[shapely.Polygon] = [body]
     for end in ends:
         if end.relief:
-            regions.append(_room(end))
+            regions.append(_relief_disc(end))
         regions += [_disc_of(end, ring) for ring in end.rings]
         regions += [_hole_of(end, ring) for ring in end.rings if ring.hole > 0.0]
         regions += [_slit_of(end, ring) for ring in end.rings if ring.slit > 0.0]
-    lines = shapely.union_all([region.boundary for region in regions], grid_size=GRID)
-    return parts(shapely.polygonize(shapely.get_parts(lines)))
+    lines = shapely.union_all([region.boundary for region in regions], grid_size=GRID_MM)
+    return polygons_by_area(shapely.polygonize(shapely.get_parts(lines)))
 
 
 def _section(
     cells: list[shapely.Polygon], body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd], height: float
 ) -> shapely.Geometry:
     """A level cut of a piece."""
-    rooms = [_room(end) for end in ends if any(low < height < high for low, high in end.relief)]
+    reliefs = [_relief_disc(end) for end in ends if any(low < height < high for low, high in end.relief)]
     rings = [(end, ring) for end in ends for ring in end.rings if ring.low < height < ring.high]
     discs = [_disc_of(end, ring) for end, ring in rings]
     empty = [_hole_of(end, ring) for end, ring in rings if ring.hole > 0.0]
@@ -57,14 +56,14 @@ def _section(
     solid = []
     for cell in cells:
         point = cell.point_on_surface()
-        held = any(disc.contains(point) for disc in discs)
-        held = held or (body.contains(point) and not any(room.contains(point) for room in rooms))
-        if held and not any(hole.contains(point) for hole in empty):
+        filled = any(disc.contains(point) for disc in discs)
+        filled = filled or (body.contains(point) and not any(relief.contains(point) for relief in reliefs))
+        if filled and not any(hole.contains(point) for hole in empty):
             solid.append(cell)
     return shapely.union_all(solid)
 
 
-def _room(end: HingeEnd) -> shapely.Polygon:
+def _relief_disc(end: HingeEnd) -> shapely.Polygon:
     return disc(end.x, end.y, end.relief_radius, outside=True)
 
 
@@ -78,26 +77,26 @@ def _hole_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:
 
 def _slit_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:
     """Across all of the ring."""
-    half, reach = 0.5 * ring.slit, ring.radius + 1.0
-    return shapely.set_precision(shapely.box(end.x - half, end.y - reach, end.x + half, end.y + reach), GRID)
+    half, reach = 0.5 * ring.slit, ring.radius + SLIT_REACH_MM
+    return shapely.set_precision(shapely.box(end.x - half, end.y - reach, end.x + half, end.y + reach), GRID_MM)
 
 
 def rings_slabs(rings: tuple[Ring, ...]) -> tuple[Slab, ...]:
     """The layers of a part made of rings around the origin."""
-    found = []
+    slabs = []
     for ring in rings:
-        cut: shapely.Geometry = disc(0.0, 0.0, ring.radius)
+        section: shapely.Geometry = disc(0.0, 0.0, ring.radius)
         if ring.hole > 0.0:
-            cut = subtract(cut, disc(0.0, 0.0, ring.hole, outside=True))
-        found.append(Slab(round(ring.low, _HEIGHT_DIGITS), round(ring.high, _HEIGHT_DIGITS), cut))
-    return tuple(found)
+            section = subtract(section, disc(0.0, 0.0, ring.hole, outside=True))
+        slabs.append(Slab(round(ring.low, HEIGHT_DIGITS), round(ring.high, HEIGHT_DIGITS), section))
+    return tuple(slabs)
 
 
-def _one(
+def _connected(
     index: int, slabs: tuple[Slab, ...], ends: tuple[HingeEnd, HingeEnd], parameters: FabricationParameters
 ) -> tuple[Slab, ...]:
     """The slabs without what hangs on nothing; an error if that is more than crumbs."""
-    flat = [(k, part) for k, slab in enumerate(slabs) for part in parts(slab.section)]
+    flat = [(k, polygon) for k, slab in enumerate(slabs) for polygon in polygons_by_area(slab.section)]
     owner = list(range(len(flat)))
 
     def root(i: int) -> int:
@@ -105,21 +104,21 @@ def _one(
             i = owner[i]
         return i
 
-    for i, (k, part) in enumerate(flat):
+    for i, (k, polygon) in enumerate(flat):
         for j in range(i + 1, len(flat)):
-            if flat[j][0] == k + 1 and part.intersection(flat[j][1]).area > GRID:
+            if flat[j][0] == k + 1 and polygon.intersection(flat[j][1]).area > GRID_MM:
                 owner[root(j)] = root(i)
     volumes: dict[int, float] = {}
-    for i, (k, part) in enumerate(flat):
-        volumes[root(i)] = volumes.get(root(i), 0.0) + part.area * (slabs[k].high - slabs[k].low)
+    for i, (k, polygon) in enumerate(flat):
+        volumes[root(i)] = volumes.get(root(i), 0.0) + polygon.area * (slabs[k].high - slabs[k].low)
     if not volumes:
         raise _broken(index, "has nothing left at this size", ends, parameters)
     main = max(volumes, key=lambda key: volumes[key])
-    if sum(volumes.values()) - volumes[main] > CRUMB * volumes[main]:
+    if sum(volumes.values()) - volumes[main] > CRUMB_SHARE * volumes[main]:
         raise _broken(index, f"falls into {len(volumes)} parts", ends, parameters)
     for end in ends:
-        held = [root(i) == main for i, (k, part) in enumerate(flat) if _of(end, slabs[k], part)]
-        if not all(held):
+        connected = [root(i) == main for i, (k, polygon) in enumerate(flat) if _has_knuckle(end, slabs[k], polygon)]
+        if not all(connected):
             raise FabricationError(
                 "falls-apart",
                 f"piece-{index + 1} does not reach its knuckle at hinge {end.hinge}: enlarge wall_mm "
@@ -128,28 +127,28 @@ def _one(
             )
     kept = []
     for k, slab in enumerate(slabs):
-        left = [part for i, (layer, part) in enumerate(flat) if layer == k and root(i) == main]
+        left = [polygon for i, (layer, polygon) in enumerate(flat) if layer == k and root(i) == main]
         kept.append(Slab(slab.low, slab.high, left[0] if len(left) == 1 else shapely.MultiPolygon(left)))
     return tuple(kept)
 
 
-def _of(end: HingeEnd, slab: Slab, part: shapely.Polygon) -> bool:
+def _has_knuckle(end: HingeEnd, slab: Slab, polygon: shapely.Polygon) -> bool:
     """Whether a part of a slab holds one of an end's knuckles."""
     height = 0.5 * (slab.low + slab.high)
     return any(
-        ring.low < height < ring.high and shapely.Polygon(part.exterior).contains(shapely.Point(end.x, end.y))
+        ring.low < height < ring.high and shapely.Polygon(polygon.exterior).contains(shapely.Point(end.x, end.y))
         for ring in end.rings
     )
 
 
 def _broken(
-    index: int, said: str, ends: tuple[HingeEnd, HingeEnd], parameters: FabricationParameters
+    index: int, problem: str, ends: tuple[HingeEnd, HingeEnd], parameters: FabricationParameters
 ) -> FabricationError:
     hinges = " and ".join(str(end.hinge) for end in ends)
     return FabricationError(
         "falls-apart",
-        f"piece-{index + 1} (hinges {hinges}) {said}: enlarge size_mm ({parameters.size_mm:g}) or thin pin_mm "
+        f"piece-{index + 1} (hinges {hinges}) {problem}: enlarge size_mm ({parameters.size_mm:g}) or thin pin_mm "
         f"({parameters.pin_mm:g})",
         "size_mm",
-        1.25 * parameters.size_mm,
+        SIZE_FACTOR * parameters.size_mm,
     )

@@ -123,7 +123,7 @@ class PieceDesign:
 
 
 @dataclass(frozen=True)
-class Pin:
+class HingePin:
     """Pivot pins of one kind: diameter and length in mm, and how many."""
 
     diameter: float
@@ -158,7 +158,7 @@ class Design:
     scale: float
     motion: Motion
     pieces: tuple[PieceDesign, ...]
-    pins: tuple[Pin, ...]
+    pins: tuple[HingePin, ...]
     telescope: Telescope | None
     warnings: tuple[str, ...]
 
@@ -180,10 +180,10 @@ class Design:
 
 def filled(region: shapely.Geometry) -> shapely.Geometry:
     """A region with its holes filled."""
-    parts = [shapely.Polygon(part.exterior) for part in polygons(region)]
-    return shapely.union_all(parts) if len(parts) != 1 else parts[0]
+    outlines = [shapely.Polygon(polygon.exterior) for polygon in polygons(region)]
+    return shapely.union_all(outlines) if len(outlines) != 1 else outlines[0]
 
 
 def polygons(region: shapely.Geometry) -> list[shapely.Polygon]:
     """The polygons of a region, without those that have no area."""
-    return [part for part in shapely.get_parts(region) if part.geom_type == "Polygon" and part.area > 0.0]
+    return [polygon for polygon in shapely.get_parts(region) if polygon.geom_type == "Polygon" and polygon.area > 0.0]

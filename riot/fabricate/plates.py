@@ -9,25 +9,23 @@ import numpy as np
 from riot.errors import FabricationError
 from riot.fabricate.shelves import shelves
 from riot.fabricate.solid import Part
+from riot.fabricate.tuning import BED_SPACE_MM
 from riot.parameters import FabricationParameters
-
-SPACE_MM = 4.0
-"""Between two parts, and along the edge of the bed."""
 
 
 @dataclass(frozen=True)
-class Item:
+class PlacedPart:
     """One part on a plate: ``number`` counts parts of the same name; it is turned by a quarter first if ``turned``,
     then its box is moved to (x, y), its least corner, mm."""
 
-    part: str
+    name: str
     number: int
     turned: bool
     x: float
     y: float
 
 
-Plate = tuple[Item, ...]
+Plate = tuple[PlacedPart, ...]
 
 
 def lay_out(parts: tuple[Part, ...], parameters: FabricationParameters) -> tuple[Plate, ...]:
@@ -35,8 +33,8 @@ def lay_out(parts: tuple[Part, ...], parameters: FabricationParameters) -> tuple
 
     Raises `riot.errors.FabricationError` if a part is larger than the bed.
     """
-    width, depth = parameters.bed_width_mm - 2 * SPACE_MM, parameters.bed_depth_mm - 2 * SPACE_MM
-    found: list[tuple[str, int, bool, tuple[float, float]]] = []
+    width, depth = parameters.bed_width_mm - 2 * BED_SPACE_MM, parameters.bed_depth_mm - 2 * BED_SPACE_MM
+    boxes: list[tuple[str, int, bool, tuple[float, float]]] = []
     for part in parts:
         across, along, _ = part.size
         fits = [turned for turned in (False, True) if _fits(across, along, turned, width, depth)]
@@ -50,11 +48,11 @@ def lay_out(parts: tuple[Part, ...], parameters: FabricationParameters) -> tuple
             )
         turned = along > across if len(fits) == 2 else fits[0]
         box = (along, across) if turned else (across, along)
-        found += [(part.name, number, turned, box) for number in range(part.count)]
-    spots = shelves(np.array([box for *_, box in found]), width, depth, SPACE_MM)
-    plates: list[list[Item]] = [[] for _ in range(1 + max(spot.page for spot in spots))]
-    for (name, number, turned, _), spot in zip(found, spots, strict=True):
-        plates[spot.page].append(Item(name, number, turned, spot.x + SPACE_MM, spot.y + SPACE_MM))
+        boxes += [(part.name, number, turned, box) for number in range(part.count)]
+    spots = shelves(np.array([box for *_, box in boxes]), width, depth, BED_SPACE_MM)
+    plates: list[list[PlacedPart]] = [[] for _ in range(1 + max(spot.page for spot in spots))]
+    for (name, number, turned, _), spot in zip(boxes, spots, strict=True):
+        plates[spot.page].append(PlacedPart(name, number, turned, spot.x + BED_SPACE_MM, spot.y + BED_SPACE_MM))
     return tuple(tuple(plate) for plate in plates)
 
 

@@ -13,10 +13,8 @@ import shapely
 from riot.fabricate.layers import rings_slabs
 from riot.fabricate.model import Design, Slab, polygons
 from riot.fabricate.outlines import disc
+from riot.fabricate.tuning import SLIVER_MM2
 from riot.types import FloatArray, IntArray
-
-SLIVER = 1e-7
-"""Area in mm² of what two layers share by rounding only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,23 +67,23 @@ class Part:
 
 def make_parts(design: Design) -> tuple[Part, ...]:
     """The solids of a design: every piece, the pin, and the sleeve of its telescopic hinges."""
-    found = [Part(piece.name, "piece", 1, piece.slabs, extruded(piece.slabs)) for piece in design.pieces]
+    parts = [Part(piece.name, "piece", 1, piece.slabs, extruded(piece.slabs)) for piece in design.pieces]
     for pin in design.pins:
         slab = Slab(0.0, pin.length, disc(0.0, 0.0, 0.5 * pin.diameter))
-        found.append(Part("pin", "pin", pin.count, (slab,), extruded((slab,))))
+        parts.append(Part("pin", "pin", pin.count, (slab,), extruded((slab,))))
     if design.telescope is not None:
         nested = rings_slabs(design.telescope.sleeve)
         foot = nested[0].low
         slabs = tuple(Slab(slab.low - foot, slab.high - foot, slab.section) for slab in nested)
-        found.append(Part("sleeve", "sleeve", design.sleeves, slabs, extruded(slabs)))
-    return tuple(found)
+        parts.append(Part("sleeve", "sleeve", design.sleeves, slabs, extruded(slabs)))
+    return tuple(parts)
 
 
 def extruded(slabs: tuple[Slab, ...]) -> manifold3d.Manifold:
     """Layers on top of each other as one solid."""
     layers = []
     for slab in slabs:
-        rings = [ring for part in polygons(slab.section) for ring in (part.exterior, *part.interiors)]
+        rings = [ring for polygon in polygons(slab.section) for ring in (polygon.exterior, *polygon.interiors)]
         contours = [shapely.get_coordinates(ring)[:-1] for ring in rings]
         section = manifold3d.CrossSection(contours, manifold3d.FillRule.EvenOdd)
         layers.append(manifold3d.Manifold.extrude(section, slab.high - slab.low).translate((0.0, 0.0, slab.low)))
@@ -103,5 +101,13 @@ def genus(slabs: tuple[Slab, ...]) -> int:
 
 
 def _euler(region: shapely.Geometry) -> int:
-    parts = [part for part in polygons(region) if part.area > SLIVER]
-    return sum(1 - sum(shapely.Polygon(hole).area > SLIVER for hole in part.interiors) for part in parts)
+    regions = [polygon for polygon in polygons(region) if polygon.area > SLIVER_MM2]
+    return sum(1 - sum(shapely.Polygon(hole).area > SLIVER_MM2 for hole in polygon.interiors) for polygon in regions)
+
+
+def common_volume(first: manifold3d.Manifold, second: manifold3d.Manifold) -> float:
+    """Volume that two solids have in common, mm³."""
+    a, b = first.bounding_box(), second.bounding_box()
+    if any(a[k] >= b[k + 3] or b[k] >= a[k + 3] for k in range(3)):
+        return 0.0
+    return float((first ^ second).volume())

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from riot.fabricate.tuning import GREATEST_TURN
 from riot.transform.motion import LIFT, Motion
 from riot.types import FloatArray, IntArray
-
-STEP = math.radians(2.0)
-"""Greatest turn of one piece against another between two samples."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +54,11 @@ def sub_chains(motion: Motion, scale: float) -> list[SubChain]:
     """
     n = len(motion.chain.lengths)
     cuts = (motion.open_hinge, *motion.lifted)
-    found = []
+    chains = []
     for cut, following in zip(cuts, (*cuts[1:], cuts[0]), strict=True):
         pieces = (cut + np.arange((following - cut - 1) % n + 1)) % n
-        found.append(sub_chain_at(motion, scale, pieces, _times(motion, pieces[1:])))
-    return found
+        chains.append(sub_chain_at(motion, scale, pieces, _times(motion, pieces[1:])))
+    return chains
 
 
 def sub_chain_at(motion: Motion, scale: float, pieces: IntArray, times: FloatArray) -> SubChain:
@@ -85,6 +83,6 @@ def _times(motion: Motion, hinges: IntArray) -> FloatArray:
     turns = motion.turns[np.isin(motion.times, stops)][:, hinges]
     times = [stops[:1]]
     for k in range(len(stops) - 1):
-        count = max(1, math.ceil(float(np.abs(turns[k + 1] - turns[k]).sum()) / STEP))
+        count = max(1, math.ceil(float(np.abs(turns[k + 1] - turns[k]).sum()) / GREATEST_TURN))
         times.append(stops[k] + np.arange(1, count + 1) / count * (stops[k + 1] - stops[k]))
     return np.concatenate(times)

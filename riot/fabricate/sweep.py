@@ -9,17 +9,12 @@ import shapely
 
 from riot.errors import FabricationError
 from riot.fabricate.model import HingeEnd
-from riot.fabricate.outlines import GRID, parts, subtract
+from riot.fabricate.outlines import polygons_by_area, subtract
 from riot.fabricate.sub_chains import SubChain
+from riot.fabricate.tuning import GRID_MM, SAGITTA_MM, SWEEP_QUARTER_SEGMENTS
 from riot.parameters import FabricationParameters, allowed_range
 from riot.transform.transform import Transform
 from riot.types import FloatArray
-
-SAGITTA = 0.02
-"""Room beyond what samples of the motion ask for, mm: between two of them a point 120 mm away leaves the straight
-line by that."""
-
-_QUARTER = 16
 
 Ends = list[tuple[HingeEnd, HingeEnd]]
 
@@ -49,7 +44,7 @@ def keep_hinges_apart(
     for i in range(n):
         for j in range(i):
             if radii[i] > 0.0 and radii[j] > 0.0 and distance[i, j] > 0.0:
-                short = (radii[i] + radii[j] + parameters.gap_mm + SAGITTA) / distance[i, j]
+                short = (radii[i] + radii[j] + parameters.gap_mm + SAGITTA_MM) / distance[i, j]
                 if worst is None or short > worst[0]:
                     worst = short, j, i
     if worst is not None and worst[0] > 1.0:
@@ -85,9 +80,9 @@ def cleared(
     paths: list[list[tuple[float, FloatArray]]] = [[] for _ in outlines]
     for sub_chain in chains:
         for member, piece in enumerate(sub_chain.pieces.tolist()):
-            for place, hinge in enumerate(_hinges(sub_chain, n)):
+            for index, hinge in enumerate(_hinges(sub_chain, n)):
                 if hinge not in (piece, (piece + 1) % n) and radii[hinge] > 0.0:
-                    seen = sub_chain.seen_from(member, sub_chain.points[:, place])
+                    seen = sub_chain.seen_from(member, sub_chain.points[:, index])
                     paths[piece].append((radii[hinge], seen))
     for t in (0.0, 1.0) if len(chains) > 1 else ():
         pose = transform.pose(t)
@@ -104,14 +99,14 @@ def _less(outline: shapely.Polygon, swept: list[tuple[float, FloatArray]], gap: 
     shapely.prepare(outline)
     cuts = []
     for radius, points in swept:
-        room = (radius + gap + SAGITTA) / math.cos(math.pi / (4 * _QUARTER))
+        reach = (radius + gap + SAGITTA_MM) / math.cos(math.pi / (4 * SWEEP_QUARTER_SEGMENTS))
         path = shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
-        if shapely.dwithin(outline, path, room):
-            cuts.append(path.simplify(GRID).buffer(room, quad_segs=_QUARTER))
+        if shapely.dwithin(outline, path, reach):
+            cuts.append(path.simplify(GRID_MM).buffer(reach, quad_segs=SWEEP_QUARTER_SEGMENTS))
     if not cuts:
         return outline
-    left = parts(subtract(outline, shapely.union_all(cuts)))
-    return shapely.Polygon(left[0].exterior) if left else shapely.Polygon()
+    remaining = polygons_by_area(subtract(outline, shapely.union_all(cuts)))
+    return shapely.Polygon(remaining[0].exterior) if remaining else shapely.Polygon()
 
 
 def _hinges(sub_chain: SubChain, n: int) -> list[int]:

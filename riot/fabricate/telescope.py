@@ -12,21 +12,18 @@ import math
 from dataclasses import dataclass
 
 from riot.errors import FabricationError
+from riot.fabricate.tuning import (
+    CAP_SHARE_DIVISOR,
+    LEAST_CAP_MM,
+    LEAST_ROD_MM,
+    LEDGE_HEIGHT_MM,
+    LEDGE_OVER_GAP_MM,
+    LIP_HEIGHT_MM,
+    SLIT_SHARE,
+    SNAP_MM,
+    SPARE_TRAVEL_MM,
+)
 from riot.parameters import FabricationParameters
-
-LEDGE_HEIGHT = 0.8
-LIP_HEIGHT = 0.6
-LEAST_CAP = 1.2
-"""Heights in mm."""
-
-SNAP = 0.15
-"""By how much the lip stands in the flange's way, in radius, mm."""
-
-LEAST_ROD = 1.5
-"""Radius of the rod, mm."""
-
-SPARE = 0.4
-"""Travel beyond what is needed, mm."""
 
 
 @dataclass(frozen=True)
@@ -111,14 +108,15 @@ def make_telescope(parameters: FabricationParameters) -> Telescope:
     """
     z = _heights(parameters)
     gap, wall, step = parameters.telescope_gap_mm, parameters.telescope_wall_mm, parameters.telescope_ledge_mm
-    if step <= gap + SNAP:
+    if step <= gap + SNAP_MM:
+        enough = gap + LEDGE_OVER_GAP_MM
         raise FabricationError(
             "ledge",
-            f"telescope_ledge_mm: {step:g} mm holds nothing over a gap of {gap:g} mm; make it {gap + 0.5:g} mm",
+            f"telescope_ledge_mm: {step:g} mm holds nothing over a gap of {gap:g} mm; make it {enough:g} mm",
             "telescope_ledge_mm",
-            gap + 0.5,
+            enough,
         )
-    rod = max(LEAST_ROD, 0.5 * parameters.pin_mm)
+    rod = max(LEAST_ROD_MM, 0.5 * parameters.pin_mm)
     inner_mouth = rod + gap
     inner_bore = inner_mouth + step
     knob = inner_bore - gap
@@ -131,7 +129,7 @@ def make_telescope(parameters: FabricationParameters) -> Telescope:
     foot, under = round(z.seat + z.ledge, 9), round(z.top - z.ledge, 9)
     return Telescope(
         barrel=(
-            Ring(0.0, z.lip, radius, flange - SNAP),
+            Ring(0.0, z.lip, radius, flange - SNAP_MM),
             Ring(z.lip, under, radius, bore),
             Ring(under, z.top, radius, mouth),
         ),
@@ -158,15 +156,15 @@ def _heights(parameters: FabricationParameters) -> _Heights:
     def layers(length: float) -> float:
         return round(math.ceil(round(length / layer, 6)) * layer, 9)
 
-    ledge, lip, seam = layers(LEDGE_HEIGHT), layers(LIP_HEIGHT), parameters.axial_gap
+    ledge, lip, seam = layers(LEDGE_HEIGHT_MM), layers(LIP_HEIGHT_MM), parameters.axial_gap
     seat = round(lip + layer, 9)
     fixed = 4.0 * ledge + seat + 2.0 * seam
-    least_cap = layers(LEAST_CAP)
-    cap = max(least_cap, layers(0.5 * (2.0 * height - fixed - parameters.travel - SPARE)) - layer)
-    cap = min(cap, max(least_cap, layers(height / 3.0)))
+    least_cap = layers(LEAST_CAP_MM)
+    cap = max(least_cap, layers(0.5 * (2.0 * height - fixed - parameters.travel - SPARE_TRAVEL_MM)) - layer)
+    cap = min(cap, max(least_cap, layers(height / CAP_SHARE_DIVISOR)))
     top = round(height - cap - seam, 9)
-    found = _Heights(ledge, lip, seat, top, round(height - cap, 9), layers(0.6 * top))
-    if found.sleeve_travel <= 0.0 or round(found.sleeve_travel + found.rod_travel - parameters.travel, 9) < 0.0:
+    heights = _Heights(ledge, lip, seat, top, round(height - cap, 9), layers(SLIT_SHARE * top))
+    if heights.sleeve_travel <= 0.0 or round(heights.sleeve_travel + heights.rod_travel - parameters.travel, 9) < 0.0:
         least = round(layers(fixed + 2.0 * least_cap + parameters.travel - height), 6)
         raise FabricationError(
             "thin",
@@ -175,4 +173,4 @@ def _heights(parameters: FabricationParameters) -> _Heights:
             "thickness_mm",
             least,
         )
-    return found
+    return heights

@@ -52,16 +52,16 @@ def shortlists(slices: Sequence[Shape], counterparts: Sequence[Shape], keep: int
     Raises `riot.errors.TrunkError` if no counterpart has a trunk.
     """
     trunks = _trunks(counterparts)
-    if not any(len(each) for each in trunks):
-        said = ", ".join(shape.name for shape in counterparts)
-        raise TrunkError(f"no counterpart has a trunk ({said}): give shapes that are plumper, or have fewer limbs")
+    if not any(len(of_shape) for of_shape in trunks):
+        names = ", ".join(shape.name for shape in counterparts)
+        raise TrunkError(f"no counterpart has a trunk ({names}): give shapes that are plumper, or have fewer limbs")
     scores = score_block(stack(_trunks(slices)), stack(trunks))
     table = scores.score.reshape(len(slices), len(counterparts))
-    found = []
+    lists = []
     for row in table:
         best = np.argsort(-row, kind="stable")[:keep]
-        found.append(tuple(Candidate(counterparts[j], float(row[j])) for j in best.tolist() if row[j] > 0.0))
-    return tuple(found)
+        lists.append(tuple(Candidate(counterparts[j], float(row[j])) for j in best.tolist() if row[j] > 0.0))
+    return tuple(lists)
 
 
 def _trunks(shapes: Sequence[Shape]) -> list[Trunks]:
@@ -86,14 +86,14 @@ def assign(costs: FloatArray, *, distinct: bool) -> IntArray:
     one, and among these ways the sum of costs is least.
     """
     rows = len(costs)
-    found = np.full(rows, -1, dtype=np.int64)
+    columns = np.full(rows, -1, dtype=np.int64)
     allowed = np.isfinite(costs)
     if not allowed.any():
-        return found
+        return columns
     if not distinct:
         some = allowed.any(axis=1)
-        found[some] = costs[some].argmin(axis=1)
-        return found
+        columns[some] = costs[some].argmin(axis=1)
+        return columns
     # Here, not above: it takes long to import, and every command of riot would wait for it.
     from scipy.optimize import linear_sum_assignment
 
@@ -102,5 +102,5 @@ def assign(costs: FloatArray, *, distinct: bool) -> IntArray:
     forbidden = float(costs[allowed].max()) + span * (rows + 1)
     taken, by = linear_sum_assignment(np.where(allowed, costs, forbidden))
     kept = allowed[taken, by]
-    found[taken[kept]] = by[kept]
-    return found
+    columns[taken[kept]] = by[kept]
+    return columns

@@ -179,9 +179,9 @@ class Stack:
 
     def upright(self, points: FloatArray) -> FloatArray:
         """(k, 3) points of the stack turned as the file has them, mm."""
-        found = np.empty_like(points)
-        found[:, _TURNS[self.along]] = points
-        return found
+        turned = np.empty_like(points)
+        turned[:, _TURNS[self.along]] = points
+        return turned
 
 
 def cut(model: Model, how: Cut) -> Stack:
@@ -195,12 +195,12 @@ def cut(model: Model, how: Cut) -> Stack:
     error: ModelError | None = None
     for axis in AXES:
         try:
-            made = _cut(model, how, axis)
+            stack = _cut(model, how, axis)
         except ModelError as caught:
             error = error or caught
             continue
-        if best is None or made.iou > best.iou + _BETTER:
-            best = made
+        if best is None or stack.iou > best.iou + _BETTER:
+            best = stack
     if best is None:
         assert error is not None
         raise error
@@ -209,12 +209,14 @@ def cut(model: Model, how: Cut) -> Stack:
 
 def section(solid: manifold3d.Manifold, height: float) -> shapely.Geometry:
     """The region of a solid in the plane at a height, with its holes."""
-    found = solid.slice(height)
-    parts = []
-    for part in [] if found.is_empty() else found.decompose():
-        rings = sorted((np.asarray(ring, dtype=np.float64) for ring in part.to_polygons()), key=_extent, reverse=True)
-        parts.append(shapely.Polygon(rings[0], rings[1:]))
-    return shapely.MultiPolygon(parts)
+    contours = solid.slice(height)
+    polygons = []
+    for contour in [] if contours.is_empty() else contours.decompose():
+        rings = sorted(
+            (np.asarray(ring, dtype=np.float64) for ring in contour.to_polygons()), key=_extent, reverse=True
+        )
+        polygons.append(shapely.Polygon(rings[0], rings[1:]))
+    return shapely.MultiPolygon(polygons)
 
 
 def _extent(ring: FloatArray) -> float:
@@ -242,16 +244,16 @@ def _slice(solid: manifold3d.Manifold, k: int, thickness: float, count: int, whe
             f"{where}: slice {k + 1} of {count} has no area half-way up, {0.5 * (low + high):.1f} mm over the "
             "foot: the object is in parts there; give fewer, thicker slices, or cut another way (along)",
         )
-    largest = max((shapely.Polygon(part.exterior) for part in shapely.get_parts(whole)), key=shapely.area)
+    largest = max((shapely.Polygon(polygon.exterior) for polygon in shapely.get_parts(whole)), key=shapely.area)
     return Slice(k + 1, low, high, whole, largest)
 
 
 def _iou(solid: manifold3d.Manifold, slices: tuple[Slice, ...]) -> float:
     shared = both = 0.0
-    for each in slices:
+    for slice_ in slices:
         for share in (np.arange(SAMPLES) + 0.5) / SAMPLES:
-            here = section(solid, each.low + float(share) * (each.high - each.low))
-            common = float(shapely.intersection(here, each.outline).area)
+            here = section(solid, slice_.low + float(share) * (slice_.high - slice_.low))
+            common = float(shapely.intersection(here, slice_.outline).area)
             shared += common
-            both += float(here.area) + each.area - common
+            both += float(here.area) + slice_.area - common
     return shared / both

@@ -39,13 +39,13 @@ def write_set(
     Raises ModelError ``nothing-made`` if no slice is, OSError if the folder cannot be written, is a file, or holds
     something already.
     """
-    if all(each.puzzle is None for each in outcomes):
-        said = "; ".join(f"slice {each.slice.number}: {each.reason}" for each in outcomes)
-        raise ModelError("nothing-made", f"{stack.name}: no slice could be made: {said}")
+    if all(outcome.puzzle is None for outcome in outcomes):
+        reasons = "; ".join(f"slice {outcome.slice.number}: {outcome.reason}" for outcome in outcomes)
+        raise ModelError("nothing-made", f"{stack.name}: no slice could be made: {reasons}")
     with new_folder(folder) as temporary:
-        for each in outcomes:
-            if each.puzzle is not None:
-                _write_puzzle(each.puzzle, temporary / folder_name(each), more)
+        for outcome in outcomes:
+            if outcome.puzzle is not None:
+                _write_puzzle(outcome.puzzle, temporary / folder_name(outcome), more)
         draw_overview(stack, outcomes, temporary / "overview.png")
         for suffix in (".png", ".svg"):
             draw_slices(outcomes, temporary / f"slices{suffix}")
@@ -64,15 +64,17 @@ def folder_name(outcome: SliceOutcome) -> str:
 def _write_puzzle(
     puzzle: Puzzle, folder: Path, more: Callable[[Puzzle], Sequence[Callable[[Path], None]]] | None
 ) -> None:
-    made = puzzle.built
+    built = puzzle.built
 
-    def transform(where: Path) -> None:
-        save(puzzle.transform, where / "puzzle.riot")
+    def transform(folder_: Path) -> None:
+        save(puzzle.transform, folder_ / "puzzle.riot")
 
-    def laser(where: Path) -> None:
-        write_flat_files(made.design, where, dxf=False)
+    def laser(folder_: Path) -> None:
+        write_flat_files(built.design, folder_, dxf=False)
 
-    write_puzzle(made.design, made.parts, made.certificate, folder, [transform, laser, *(more(puzzle) if more else ())])
+    write_puzzle(
+        built.design, built.parts, built.certificate, folder, [transform, laser, *(more(puzzle) if more else ())]
+    )
 
 
 def set_document(stack: Stack, outcomes: Sequence[SliceOutcome]) -> dict[str, Any]:
@@ -86,13 +88,13 @@ def set_document(stack: Stack, outcomes: Sequence[SliceOutcome]) -> dict[str, An
         "thickness_mm": stack.thickness,
         "height_mm": round(stack.height, DIGITS),
         "stack_iou": round(stack.iou, DIGITS),
-        "made": sum(each.puzzle is not None for each in outcomes),
-        "slices": [_entry(each) for each in outcomes],
+        "made": sum(outcome.puzzle is not None for outcome in outcomes),
+        "slices": [_entry(outcome) for outcome in outcomes],
     }
 
 
-def _entry(each: SliceOutcome) -> dict[str, Any]:
-    cut, puzzle = each.slice, each.puzzle
+def _entry(outcome: SliceOutcome) -> dict[str, Any]:
+    cut, puzzle = outcome.slice, outcome.puzzle
     entry: dict[str, Any] = {
         "slice": cut.number,
         "low_mm": round(cut.low, DIGITS),
@@ -100,15 +102,15 @@ def _entry(each: SliceOutcome) -> dict[str, Any]:
         "area_mm2": round(cut.area, DIGITS),
         "filled_mm2": round(cut.filled, DIGITS),
         "left_out_mm2": round(cut.lost, DIGITS),
-        "tried_in_vain": [{"counterpart": tried.counterpart, "reason": tried.reason} for tried in each.attempts],
+        "tried_in_vain": [{"counterpart": tried.counterpart, "reason": tried.reason} for tried in outcome.attempts],
     }
     if puzzle is None:
-        return {**entry, "reason": each.reason}
+        return {**entry, "reason": outcome.reason}
     design, transform = puzzle.built.design, puzzle.transform
     iou_p, iou_q = overlap_ratios(transform)
     return {
         **entry,
-        "folder": folder_name(each),
+        "folder": folder_name(outcome),
         "counterpart": puzzle.counterpart,
         "qcrs": round(puzzle.qcrs, DIGITS),
         "iou_slice": round(iou_p, DIGITS),

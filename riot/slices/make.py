@@ -14,7 +14,7 @@ import numpy as np
 
 from riot.construction.trunk_choice import construct_plans
 from riot.errors import FabricationError, RiotError, SilhouetteError
-from riot.fabricate.certificate import Built, FabricationCertificate, build, fix
+from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix
 from riot.fabricate.plates import lay_out
 from riot.geometry.polyline import extent
 from riot.geometry.shape import Shape
@@ -43,7 +43,7 @@ class Puzzle:
     counterpart: str
     qcrs: float
     transform: Transform
-    built: Built
+    built: BuiltPuzzle
 
     @property
     def certificate(self) -> FabricationCertificate:
@@ -73,7 +73,7 @@ def make_puzzles(
     distinct: bool = False,
     mend: bool = False,
     sampling: ShapeParameters | None = None,
-    note: Callable[[str], None] = lambda said: None,
+    note: Callable[[str], None] = lambda message: None,
 ) -> tuple[SliceOutcome, ...]:
     """Make every slice of a stack; of ``parameters`` size and thickness are the slices' own.
 
@@ -91,11 +91,11 @@ def make_puzzles(
         shape = shapes[k]
         assert shape is not None
         note(f"slice {k + 1}: trunks of {len(shortlist)} counterparts")
-        table[k] = {each.shape.name: plan_slice(shape, each) for each in shortlist}
+        table[k] = {slice_.shape.name: plan_slice(shape, slice_) for slice_ in shortlist}
         reasons[k] = _none_left(shape.name, list(table[k].values()))
     puzzles, attempts = _rounds(stack, table, parameters, distinct=distinct, mend=mend, note=note)
     outcomes = []
-    for k, each in enumerate(stack.slices):
+    for k, slice_ in enumerate(stack.slices):
         tried, reason = tuple(attempts.get(k, ())), reasons.get(k, "")
         if k in puzzles:
             reason = ""
@@ -103,16 +103,16 @@ def make_puzzles(
             reason = f"{len(tried)} tried in vain; the most promising, {tried[0].counterpart}: {tried[0].reason}"
         elif distinct and any(planned.plans for planned in table.get(k, {}).values()):
             reason = "other slices took the counterparts that it can become: give more counterparts"
-        outcomes.append(SliceOutcome(each, puzzles.get(k), reason, tried))
+        outcomes.append(SliceOutcome(slice_, puzzles.get(k), reason, tried))
     return tuple(outcomes)
 
 
 def _shapes(stack: Stack, sampling: ShapeParameters | None) -> tuple[list[Shape | None], dict[int, str]]:
     shapes: list[Shape | None] = []
     reasons: dict[int, str] = {}
-    for k, each in enumerate(stack.slices):
+    for k, slice_ in enumerate(stack.slices):
         try:
-            shapes.append(each.shape(f"{stack.name}-{each.number}", sampling))
+            shapes.append(slice_.shape(f"{stack.name}-{slice_.number}", sampling))
         except SilhouetteError as error:
             shapes.append(None)
             reasons[k] = str(error)
@@ -164,7 +164,7 @@ def _rounds(
     return puzzles, attempts
 
 
-def make_puzzle(each: Slice, planned: Planned, parameters: FabricationParameters, *, mend: bool) -> Puzzle:
+def make_puzzle(slice_: Slice, planned: Planned, parameters: FabricationParameters, *, mend: bool) -> Puzzle:
     """Construct, design and verify one slice, at its own size.
 
     Raises `riot.errors.ConstructionError`, or `riot.errors.FabricationError`.
@@ -190,10 +190,10 @@ def mm_per_unit(shape: Shape) -> float:
     return math.sqrt(abs(float(np.linalg.det(shape.to_source[:, :2]))))
 
 
-def _built(transform: Transform, parameters: FabricationParameters, mend: bool) -> Built:
+def _built(transform: Transform, parameters: FabricationParameters, mend: bool) -> BuiltPuzzle:
     size = parameters.size_mm
     try:
-        made = fix(transform, parameters, enlarge=False) if mend else build(transform, parameters)
+        built = fix(transform, parameters, enlarge=False) if mend else build(transform, parameters)
     except FabricationError as error:
         if error.parameter != "size_mm" or error.value > allowed_range(FabricationParameters, "size_mm")[1]:
             raise
@@ -205,6 +205,6 @@ def _built(transform: Transform, parameters: FabricationParameters, mend: bool) 
             "size_mm",
             error.value,
         ) from error
-    if not made.certificate.passed:
-        raise FabricationError("uncertified", "; ".join(made.certificate.failures))
-    return made
+    if not built.certificate.passed:
+        raise FabricationError("uncertified", "; ".join(built.certificate.failures))
+    return built

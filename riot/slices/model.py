@@ -99,8 +99,8 @@ def _mesh(path: Path) -> tuple[FloatArray, IntArray]:
     except ImportError as error:
         raise ModelError("unsupported", f"{path}: to read it takes the extra 'print': {error}") from error
     except Exception as error:  # the reader of a foreign format: its errors are of every kind
-        said = str(error).split("\n")[0]
-        raise ModelError("unreadable", f"{path}: damaged, or no {path.suffix[1:].upper()} file ({said})") from error
+        reason = str(error).split("\n")[0]
+        raise ModelError("unreadable", f"{path}: damaged, or no {path.suffix[1:].upper()} file ({reason})") from error
     if len(triangles) == 0:
         raise ModelError("empty", f"{path}: holds no triangles; export a solid, not points, curves or a sketch")
     if len(triangles) > MAX_TRIANGLES:
@@ -135,8 +135,8 @@ def _open_edges(triangles: IntArray) -> int:
     edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     size = int(triangles.max()) + 1
     there, back = edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0]
-    found, counts = np.unique(there, return_counts=True)
-    return int((~np.isin(there, back)).sum() + (counts[np.isin(found, back)] > 1).sum())
+    edges_there, counts = np.unique(there, return_counts=True)
+    return int((~np.isin(there, back)).sum() + (counts[np.isin(edges_there, back)] > 1).sum())
 
 
 def _library() -> Any:

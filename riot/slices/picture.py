@@ -44,12 +44,12 @@ def draw_overview(stack: Stack, outcomes: Sequence[SliceOutcome], path: Path) ->
     """
     turned_lift = (1.0 + TURNED_APART) * stack.thickness
     slices, turned = [], []
-    for each in outcomes:
-        if each.puzzle is None:
-            slices.append(_prism(each.slice))
+    for outcome in outcomes:
+        if outcome.puzzle is None:
+            slices.append(_prism(outcome.slice))
             continue
-        slices += _pieces(each.puzzle, 0.0, each.slice.low)
-        turned += _pieces(each.puzzle, 1.0, (each.slice.number - 1) * turned_lift)
+        slices += _pieces(outcome.puzzle, 0.0, outcome.slice.low)
+        turned += _pieces(outcome.puzzle, 1.0, (outcome.slice.number - 1) * turned_lift)
     groups = [
         (_upright(stack, [Body(*mesh(stack.solid), _OBJECT)]), stack.name),
         (_upright(stack, slices), f"{len(stack.slices)} slices of {stack.thickness:g} mm, along {stack.along}"),
@@ -71,7 +71,7 @@ def draw_slices(outcomes: Sequence[SliceOutcome], path: Path) -> None:
 
 def slices_scene(outcomes: Sequence[SliceOutcome]) -> Scene:
     """The picture of `draw_slices` before it has a format; shapes have unit area."""
-    rows = [(each.slice, each.puzzle) for each in reversed(outcomes) if each.puzzle is not None]
+    rows = [(outcome.slice, outcome.puzzle) for outcome in reversed(outcomes) if outcome.puzzle is not None]
     panels = [_panels(puzzle.transform) for _, puzzle in rows]
     boxes = [[extent(panel, ()) for panel in row] for row in panels]
     widths = [max(row[k][2] - row[k][0] for row in boxes) + _GAP for k in range(4)]
@@ -82,7 +82,9 @@ def slices_scene(outcomes: Sequence[SliceOutcome]) -> Scene:
     for (slice_, puzzle), row, row_boxes in zip(rows, panels, boxes, strict=True):
         tall = max(y1 - y0 for _, y0, _, y1 in row_boxes)
         left = _GAP
-        for k, (panel, (x0, y0, x1, y1), words) in enumerate(zip(row, row_boxes, _words(slice_, puzzle), strict=True)):
+        for k, (panel, (x0, y0, x1, y1), words) in enumerate(
+            zip(row, row_boxes, _captions(slice_, puzzle), strict=True)
+        ):
             middle = left + 0.5 * (widths[k] - _GAP)
             marks += moved(panel, middle - 0.5 * (x0 + x1), top - 0.5 * tall - 0.5 * (y0 + y1))
             marks.append(Label(middle, top - tall - 1.6 * _LINE * pen, words, "note"))
@@ -92,7 +94,7 @@ def slices_scene(outcomes: Sequence[SliceOutcome]) -> Scene:
     return Scene(title, (0.0, top, width, 0.0), pen, (), tuple(marks))
 
 
-def _words(slice_: Slice, puzzle: Puzzle) -> tuple[str, str, str, str]:
+def _captions(slice_: Slice, puzzle: Puzzle) -> tuple[str, str, str, str]:
     iou_p, iou_q = overlap_ratios(puzzle.transform)
     name = puzzle.counterpart[:_NAME_LENGTH]
     return f"slice {slice_.number}", f"IoU {iou_p:.3f}", f"IoU {iou_q:.3f}", name
@@ -109,18 +111,18 @@ def _panels(transform: Transform) -> list[list[Mark]]:
 
 
 def _dissection(drawn: Transform, t: float) -> list[Mark]:
-    parts = drawn.parts(drawn.pose(t))
-    return [Region((points,), f"piece{hue(i, len(parts))}") for i, points in enumerate(parts)]
+    pieces = drawn.parts(drawn.pose(t))
+    return [Region((points,), f"piece{hue(i, len(pieces))}") for i, points in enumerate(pieces)]
 
 
 def _pieces(puzzle: Puzzle, t: float, lift: float) -> list[Body]:
     """The solids of a puzzle closed as the slice (t = 0), in its place, or as the counterpart (1), about the z-axis."""
-    made = puzzle.built
-    transform, design = puzzle.transform, made.design
+    built = puzzle.built
+    transform, design = puzzle.transform, built.design
     pose = transform.pose(t)
     shift = transform.p.to_source[:, 2] if t == 0.0 else np.zeros(2)
     bodies = []
-    pieces = [part for part in made.parts if part.kind == "piece"]
+    pieces = [part for part in built.parts if part.kind == "piece"]
     for i, part in enumerate(pieces):
         points, triangles = part.mesh()
         flat = design.place(pose, i, points[:, :2]) + shift

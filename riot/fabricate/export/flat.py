@@ -54,7 +54,7 @@ class DxfError(RiotError, ModuleNotFoundError):
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class FlatPart:
     """One part to be cut out: ``region`` in mm, on the sheet; ``name`` as in ``piece-1`` or ``piece-1-top``."""
 
     name: str
@@ -100,19 +100,19 @@ def write_flat_files(design: Design, folder: Path, *, dxf: bool = True) -> list[
     return written
 
 
-def parts_of(design: Design, kind: Kind, kerf: float = 0.0) -> list[Part]:
+def parts_of(design: Design, kind: Kind, kerf: float = 0.0) -> list[FlatPart]:
     """The parts of one kind, apart on a sheet, widened all round by half a kerf in mm; errors as `write_flat`."""
     parts = _outlines(design) if kind == "outlines" else _layers(design)
     if kerf > 0.0:
-        parts = [_compensated(part, kerf) for part in parts]
+        parts = [_compensated(flat_part, kerf) for flat_part in parts]
     return _apart(parts)
 
 
-def _outlines(design: Design) -> list[Part]:
-    return [Part(piece.name, shapely.Polygon(piece.outline)) for piece in design.pieces]
+def _outlines(design: Design) -> list[FlatPart]:
+    return [FlatPart(piece.name, shapely.Polygon(piece.outline)) for piece in design.pieces]
 
 
-def _layers(design: Design) -> list[Part]:
+def _layers(design: Design) -> list[FlatPart]:
     """Every piece at the heights of the lower female, the male and the upper female knuckles."""
     if design.telescope is not None:
         raise FabricationError(
@@ -129,24 +129,24 @@ def _layers(design: Design) -> list[Part]:
             regions = polygons(shapely.union_all(sections))
             for k, region in enumerate(regions):
                 more = f"-{k + 1}" if len(regions) > 1 else ""
-                parts.append(Part(f"{piece.name}-{name}{more}", region))
+                parts.append(FlatPart(f"{piece.name}-{name}{more}", region))
     return parts
 
 
-def _compensated(part: Part, kerf: float) -> Part:
+def _compensated(flat_part: FlatPart, kerf: float) -> FlatPart:
     """The path of the beam's middle: mitred, so that the parts' corners stay as they are."""
-    grown = polygons(shapely.buffer(part.region, 0.5 * kerf, join_style="mitre", mitre_limit=_MITRE))
-    return replace(part, region=grown[0])
+    grown = polygons(shapely.buffer(flat_part.region, 0.5 * kerf, join_style="mitre", mitre_limit=_MITRE))
+    return replace(flat_part, region=grown[0])
 
 
-def _apart(parts: Sequence[Part]) -> list[Part]:
-    bounds = np.array([part.region.bounds for part in parts])
+def _apart(parts: Sequence[FlatPart]) -> list[FlatPart]:
+    bounds = np.array([flat_part.region.bounds for flat_part in parts])
     sizes = bounds[:, 2:] - bounds[:, :2]
     width = max(SHEET_MM, float(sizes[:, 0].max()) + 2 * APART_MM)
     spots = shelves(sizes, width - 2 * APART_MM, np.inf, APART_MM)
     return [
-        replace(part, region=_moved(part.region, spot.x + APART_MM - low[0], spot.y + APART_MM - low[1]))
-        for part, spot, low in zip(parts, spots, bounds, strict=True)
+        replace(flat_part, region=_moved(flat_part.region, spot.x + APART_MM - low[0], spot.y + APART_MM - low[1]))
+        for flat_part, spot, low in zip(parts, spots, bounds, strict=True)
     ]
 
 
@@ -154,22 +154,22 @@ def _moved(region: shapely.Polygon, x: float, y: float) -> shapely.Polygon:
     return shapely.transform(region, lambda points: points + np.array([x, y]))
 
 
-def _rings(parts: Iterable[Part]) -> tuple[list[tuple[str, FloatArray]], list[tuple[str, FloatArray]]]:
+def _rings(parts: Iterable[FlatPart]) -> tuple[list[tuple[str, FloatArray]], list[tuple[str, FloatArray]]]:
     """Holes and outlines by name, each point once."""
     holes, outlines = [], []
-    for part in parts:
-        outlines.append((part.name, shapely.get_coordinates(part.region.exterior)[:-1]))
-        for k, ring in enumerate(part.region.interiors):
-            holes.append((f"{part.name}-hole-{k + 1}", shapely.get_coordinates(ring)[:-1]))
+    for flat_part in parts:
+        outlines.append((flat_part.name, shapely.get_coordinates(flat_part.region.exterior)[:-1]))
+        for k, ring in enumerate(flat_part.region.interiors):
+            holes.append((f"{flat_part.name}-hole-{k + 1}", shapely.get_coordinates(ring)[:-1]))
     return holes, outlines
 
 
-def _extent(parts: Sequence[Part]) -> tuple[float, float]:
-    high = np.max([part.region.bounds[2:] for part in parts], axis=0) + APART_MM
+def _extent(parts: Sequence[FlatPart]) -> tuple[float, float]:
+    high = np.max([flat_part.region.bounds[2:] for flat_part in parts], axis=0) + APART_MM
     return float(high[0]), float(high[1])
 
 
-def svg_bytes(parts: Sequence[Part], title: str) -> bytes:
+def svg_bytes(parts: Sequence[FlatPart], title: str) -> bytes:
     """The parts as an SVG file whose user unit is the millimetre, y turned over."""
     width, height = _extent(parts)
     wide, high = _number(width), _number(height)
@@ -205,7 +205,7 @@ def dxf_module() -> Any:
         ) from None
 
 
-def dxf_bytes(parts: Sequence[Part]) -> bytes:
+def dxf_bytes(parts: Sequence[FlatPart]) -> bytes:
     """The parts as a DXF file in millimetres, holes and outlines on a layer each; raises `DxfError`."""
     ezdxf = dxf_module()
     fixed = ezdxf.options.write_fixed_meta_data_for_testing
@@ -216,8 +216,8 @@ def dxf_bytes(parts: Sequence[Part]) -> bytes:
         for name, rings in zip(("holes", "outlines"), _rings(parts), strict=True):
             drawing.layers.add(name.upper(), color=_DXF_COLOURS[name], lineweight=0)
             for _, points in rings:
-                places = np.round(points, DIGITS).tolist()
-                space.add_lwpolyline(places, close=True, dxfattribs={"layer": name.upper()})
+                corners = np.round(points, DIGITS).tolist()
+                space.add_lwpolyline(corners, close=True, dxfattribs={"layer": name.upper()})
         # The drawing's extent; its lower corner must not be the origin, which ezdxf takes for none.
         space.reset_extents((APART_MM, APART_MM, 0.0), (*_extent(parts), 0.0))
         stream = io.StringIO()

@@ -68,7 +68,7 @@ def sheet_scenes(design: Design, texture: Texture, side: Side, dots_per_inch: fl
     faces = [face(design, i, side) for i in range(len(design.pieces))]
     width, height, spots = _layout([piece.outline for piece in design.pieces])
     count = 1 + max(spot.page for spot in spots)
-    pages = [_words(width, design, side, number, count) for number in range(count)]
+    pages = [_captions(width, design, side, number, count) for number in range(count)]
     for i, spot in enumerate(spots):
         frame = _frame(design.pieces[i].outline, spot, width, height, side)
         pages[spot.page] += _piece(design, texture, side, i, frame, faces[i], dots_per_inch)
@@ -105,7 +105,7 @@ def face(design: Design, index: int, side: Side) -> shapely.Polygon:
     piece = design.pieces[index]
     slab = piece.slabs[-1 if side == "p" else 0]
     within = polygons(shapely.intersection(slab.section, shapely.Polygon(piece.outline)))
-    return max(within, key=lambda part: float(part.area))
+    return max(within, key=lambda polygon: float(polygon.area))
 
 
 def _piece(
@@ -147,7 +147,7 @@ def face_colours(
     return colours
 
 
-def _words(width: float, design: Design, side: Side, number: int, count: int) -> list[Mark]:
+def _captions(width: float, design: Design, side: Side, number: int, count: int) -> list[Mark]:
     p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
     names = [textwrap.shorten(name, NAME, placeholder="…") for name in (p, q)]
     what = f"front: {names[0]}" if side == "p" else f"back: {names[1]}, mirrored"

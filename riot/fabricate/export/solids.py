@@ -19,7 +19,7 @@ from riot.errors import FabricationError
 from riot.fabricate.certificate import FabricationCertificate
 from riot.fabricate.export.folder import new_folder
 from riot.fabricate.model import Design
-from riot.fabricate.plates import Item, Plate, lay_out
+from riot.fabricate.plates import PlacedPart, Plate, lay_out
 from riot.fabricate.solid import Part
 
 FORMAT, VERSION = "riot-parts", 1
@@ -90,7 +90,7 @@ def stl_bytes(part: Part) -> bytes:
 def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
     """A plate as 3MF: every part that lies on it as a named object, and where it lies; nothing is compressed."""
     named = {part.name: part for part in parts}
-    used = [part for part in parts if any(item.part == part.name for item in plate)]
+    used = [part for part in parts if any(item.name == part.name for item in plate)]
     ids = {part.name: k + 1 for k, part in enumerate(used)}
     title = f"{design.transform.p.name} – {design.transform.q.name}"
     lines = [
@@ -109,9 +109,9 @@ def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
         lines.append("</triangles></mesh></object>")
     lines.append("</resources><build>")
     for item in plate:
-        numbers = " ".join(_number(value) for value in _placement(item, named[item.part]))
-        label = quoteattr(f"{item.part}" if named[item.part].count == 1 else f"{item.part}-{item.number + 1}")
-        lines.append(f'<item objectid="{ids[item.part]}" transform="{numbers}" partnumber={label}/>')
+        numbers = " ".join(_number(value) for value in _placement(item, named[item.name]))
+        label = quoteattr(f"{item.name}" if named[item.name].count == 1 else f"{item.name}-{item.number + 1}")
+        lines.append(f'<item objectid="{ids[item.name]}" transform="{numbers}" partnumber={label}/>')
     lines += ["</build>", "</model>", ""]
     held = io.BytesIO()
     with zipfile.ZipFile(held, "w", zipfile.ZIP_STORED) as archive:
@@ -126,7 +126,7 @@ def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
     return held.getvalue()
 
 
-def _placement(item: Item, part: Part) -> list[float]:
+def _placement(item: PlacedPart, part: Part) -> list[float]:
     """The twelve numbers of a 3MF transform, row vectors times matrix: a quarter turn or none, then a shift."""
     box = part.solid.bounding_box()
     if item.turned:  # (x, y) goes to (−y, x)
@@ -136,8 +136,8 @@ def _placement(item: Item, part: Part) -> list[float]:
 
 def _number(value: float) -> str:
     """A decimal number without an exponent, without a minus zero."""
-    said = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
-    return "0" if said in ("-0", "") else said
+    digits = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
+    return "0" if digits in ("-0", "") else digits
 
 
 def parts_document(
@@ -170,7 +170,7 @@ def parts_document(
         ],
         "pins": [asdict(pin) for pin in design.pins],
         "plates": [
-            {"file": f"plate-{k + 1}.3mf", "parts": [item.part for item in plate]} for k, plate in enumerate(plates)
+            {"file": f"plate-{k + 1}.3mf", "parts": [item.name for item in plate]} for k, plate in enumerate(plates)
         ],
         "certificate": {
             "passed": certificate.passed,
