@@ -93,18 +93,18 @@ def changes(regions: FloatArray, offsets: IntArray, target: FloatArray, lines: i
     )
     lost, added = 0.0, 0.0
     for line in range(lines):
-        y, found = low + (line + 0.5) * step, 0
+        y, crossings = low + (line + 0.5) * step, 0
         for i in range(count + 1):
             polygon = target if i == count else regions[offsets[i] : offsets[i + 1]]
             for k in range(len(polygon)):
                 a, b = polygon[k - 1], polygon[k]
                 if (a[1] <= y) != (b[1] <= y):
-                    x[found] = a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1])
-                    owner[found], turn[found] = i, -1 if b[1] > a[1] else 1
-                    found += 1
+                    x[crossings] = a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1])
+                    owner[crossings], turn[crossings] = i, -1 if b[1] > a[1] else 1
+                    crossings += 1
         winding = np.zeros(count + 1)
-        order = np.argsort(x[:found])
-        for k in range(found - 1):
+        order = np.argsort(x[:crossings])
+        for k in range(crossings - 1):
             at = order[k]
             winding[owner[at]] += turn[at]
             width = x[order[k + 1]] - x[at]
@@ -128,7 +128,7 @@ def bound(pair: TrunkPair, trunks: FloatArray, bends: FloatArray) -> float:
     −1 where a bent trunk crosses itself.
     """
     p, windows_p, q, windows_q = pair.windowed_outlines
-    found = []
+    bounds = []
     for points, windows, side in ((p, windows_p, 0), (q, windows_q, 1)):
         source, target = trunks[side], trunks[1 - side]
         # Above an edge is where the upper part is: to the left of it in T and in T̄, both in corresponding order.
@@ -151,8 +151,8 @@ def bound(pair: TrunkPair, trunks: FloatArray, bends: FloatArray) -> float:
             regions.append(np.concatenate([arcs[offsets[i] : offsets[i + 1]], back[::-1][1:-1]]))
         starts = np.concatenate([[0], np.cumsum([len(region) for region in regions])])
         lost, added = changes(np.concatenate(regions), starts, outline, LINES)
-        found.append((1.0 - lost) / (1.0 + added))
-    return float(min(found))
+        bounds.append((1.0 - lost) / (1.0 + added))
+    return float(min(bounds))
 
 
 def _bent(trunk: FloatArray, bends: FloatArray) -> list[FloatArray]:
@@ -186,11 +186,13 @@ def search(plan: ConstructionPlan, way: Way) -> float:
     return max(-float(least.fun), -cost(start))
 
 
-def plan_of(made: Transform) -> ConstructionPlan:
+def plan_of(transform: Transform) -> ConstructionPlan:
     """The plan that a transform was constructed on."""
-    pair = given_pair(made.p, made.q, made.trunk_p, made.trunk_q, 1.0, REFINEMENT.reach)
+    pair = given_pair(transform.p, transform.q, transform.trunk_p, transform.trunk_q, 1.0, REFINEMENT.reach)
     origin = np.zeros((1, 2))
-    trunks = [[pose.place(i, origin)[0] for i in range(len(made))] for pose in (made.pose(0.0), made.pose(1.0))]
+    trunks = [
+        [pose.place(i, origin)[0] for i in range(len(transform))] for pose in (transform.pose(0.0), transform.pose(1.0))
+    ]
     return plan_on(pair, np.array(trunks), REFINEMENT.bound_lines)
 
 
@@ -205,7 +207,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not paths:
         parser.error(f"no .riot file under {chosen.transforms}")
     picked = [paths[k] for k in np.unique(np.linspace(0, len(paths) - 1, chosen.pairs).round().astype(int))]
-    found = []
+    pairs = []
     for path in picked:
         try:
             plan = plan_of(load(path))
@@ -214,24 +216,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
             continue
         start = bound(plan.pair, plan.trunks, np.zeros((plan.trunks.shape[1], 0)))
         bounds = {name: search(plan, way) for name, way in WAYS.items()}
-        found.append(Bent(plan.pair.p.name, plan.pair.q.name, plan.trunks.shape[1], start, bounds))
+        pairs.append(Bent(plan.pair.p.name, plan.pair.q.name, plan.trunks.shape[1], start, bounds))
         print(
             f"{path.stem}: {start:.4f}, " + ", ".join(f"{b:.4f}" for b in bounds.values()), file=sys.stderr, flush=True
         )
-    show(found)
+    show(pairs)
     if chosen.json:
-        document = {"format": FORMAT, "pairs": [asdict(one) for one in found]}
+        document = {"format": FORMAT, "pairs": [asdict(pair) for pair in pairs]}
         chosen.json.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     return 0
 
 
-def show(found: Sequence[Bent]) -> None:
+def show(pairs: Sequence[Bent]) -> None:
     """Print quantiles of the bound, and of the gain on the control."""
-    table = Table(f"{len(found)} pairs", box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(f"{len(pairs)} pairs", box=box.SIMPLE_HEAD, pad_edge=False)
     for name in ("bound: least", "median", "greatest", "gain on the control: median", "90 %", "greatest"):
         table.add_column(name, justify="right")
-    rows = {"the run's": np.array([one.start for one in found])}
-    rows |= {name: np.array([one.bounds[name] for one in found]) for name in WAYS}
+    rows = {"the run's": np.array([pair.start for pair in pairs])}
+    rows |= {name: np.array([pair.bounds[name] for pair in pairs]) for name in WAYS}
     control = rows["straight, convex"]
     for name, values in rows.items():
         gains = np.quantile(values - control, (0.5, 0.9, 1.0))

@@ -64,65 +64,65 @@ def _either(first: Path, second: Path, path: Path, compare: Callable[[Path, Path
 
 def _tables(first: Path, second: Path, path: Path, ignored: Collection[str]) -> Iterator[str]:
     name = path.parts[0].removesuffix(".parquet")
-    one, other = (pq.ParquetFile(file).read() for file in (first, second))
-    columns = [column for column in one.column_names if f"{name}.{column}" not in ignored]
-    others = [column for column in other.column_names if f"{name}.{column}" not in ignored]
+    left, right = (pq.ParquetFile(file).read() for file in (first, second))
+    columns = [column for column in left.column_names if f"{name}.{column}" not in ignored]
+    others = [column for column in right.column_names if f"{name}.{column}" not in ignored]
     if columns != others:
         apart = sorted(set(columns) ^ set(others))
         yield f"columns {', '.join(apart)} are in one table only" if apart else "the columns have another order"
-    if len(one) != len(other):
-        yield f"{len(one)} rows and {len(other)} rows"
+    if len(left) != len(right):
+        yield f"{len(left)} rows and {len(right)} rows"
         return
     for column in columns:
         if column in others:
-            yield from (f"{column}: {line}" for line in _columns(one[column], other[column]))
+            yield from (f"{column}: {line}" for line in _columns(left[column], right[column]))
 
 
-def _columns(one: pa.ChunkedArray, other: pa.ChunkedArray) -> Iterator[str]:
-    if one.type != other.type:
-        yield f"type {one.type} and {other.type}"
+def _columns(left: pa.ChunkedArray, right: pa.ChunkedArray) -> Iterator[str]:
+    if left.type != right.type:
+        yield f"type {left.type} and {right.type}"
         return
-    rows = np.flatnonzero(_differ(one.combine_chunks(), other.combine_chunks()))
+    rows = np.flatnonzero(_differ(left.combine_chunks(), right.combine_chunks()))
     if len(rows):
         row = int(rows[0])
-        yield f"{len(rows)} of {len(one)} rows differ, first row {row}: {one[row]!s:.60} and {other[row]!s:.60}"
+        yield f"{len(rows)} of {len(left)} rows differ, first row {row}: {left[row]!s:.60} and {right[row]!s:.60}"
 
 
-def _differ(one: pa.Array, other: pa.Array) -> np.ndarray:
+def _differ(left: pa.Array, right: pa.Array) -> np.ndarray:
     """Whether the rows of two arrays of one type and length differ: (n,) bool."""
-    nulls = pc.is_null(one).to_numpy(zero_copy_only=False)
-    differ = nulls != pc.is_null(other).to_numpy(zero_copy_only=False)
-    if pa.types.is_list(one.type) or pa.types.is_large_list(one.type):
-        lengths, others = (pc.fill_null(pc.list_value_length(array), 0).to_numpy() for array in (one, other))
+    nulls = pc.is_null(left).to_numpy(zero_copy_only=False)
+    differ = nulls != pc.is_null(right).to_numpy(zero_copy_only=False)
+    if pa.types.is_list(left.type) or pa.types.is_large_list(left.type):
+        lengths, others = (pc.fill_null(pc.list_value_length(array), 0).to_numpy() for array in (left, right))
         if not np.array_equal(lengths, others):  # rows of unlike lengths differ; the rest is compared alone
             alike = np.flatnonzero(lengths == others)
             differ |= lengths != others
-            differ[alike] |= _differ(one.take(pa.array(alike)), other.take(pa.array(alike)))
+            differ[alike] |= _differ(left.take(pa.array(alike)), right.take(pa.array(alike)))
             return differ
-        values = _differ(pc.list_flatten(one), pc.list_flatten(other))
-        differ[np.repeat(np.arange(len(one)), lengths)[values]] = True
+        values = _differ(pc.list_flatten(left), pc.list_flatten(right))
+        differ[np.repeat(np.arange(len(left)), lengths)[values]] = True
         return differ
-    if pa.types.is_floating(one.type):
-        values, others = (pc.fill_null(array, 0.0).to_numpy() for array in (one, other))
+    if pa.types.is_floating(left.type):
+        values, others = (pc.fill_null(array, 0.0).to_numpy() for array in (left, right))
         bits = np.dtype(f"u{values.dtype.itemsize}")
         return differ | ((values.view(bits) != others.view(bits)) & ~(np.isnan(values) & np.isnan(others)))
-    unequal = pc.fill_null(pc.not_equal(one, other), False)
+    unequal = pc.fill_null(pc.not_equal(left, right), False)
     return differ | unequal.to_numpy(zero_copy_only=False)
 
 
 def _transforms(first: Path, second: Path) -> Iterator[str]:
-    one, other = (json.loads(file.read_text(encoding="utf-8")) for file in (first, second))
-    for name in sorted((one.keys() | other.keys()) - {"history"}):
+    left, right = (json.loads(file.read_text(encoding="utf-8")) for file in (first, second))
+    for name in sorted((left.keys() | right.keys()) - {"history"}):
         # As text: nan equals nan and -0.0 is not 0.0.
-        if json.dumps(one.get(name)) != json.dumps(other.get(name)):
+        if json.dumps(left.get(name)) != json.dumps(right.get(name)):
             yield f"{name} differs"
 
 
 def _bytes(first: Path, second: Path) -> Iterator[str]:
-    one, other = first.read_bytes(), second.read_bytes()
-    if one != other:
-        at = next((k for k, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
-        yield f"{len(one)} and {len(other)} bytes, which differ from byte {at} on"
+    left, right = first.read_bytes(), second.read_bytes()
+    if left != right:
+        at = next((k for k, (a, b) in enumerate(zip(left, right, strict=False)) if a != b), min(len(left), len(right)))
+        yield f"{len(left)} and {len(right)} bytes, which differ from byte {at} on"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -95,7 +95,7 @@ class Turned:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class WayOutcome:
     """One way: its shapes, and the CPU seconds that the trunks of all shapes, and QCRS, have cost."""
 
     way: str
@@ -103,7 +103,7 @@ class Outcome:
     seconds: dict[str, float]
 
 
-def run_way(name: str, way: Way, asked: Sequence[Shape], among: Sequence[Shape]) -> Outcome:
+def run_way(name: str, way: Way, asked: Sequence[Shape], among: Sequence[Shape]) -> WayOutcome:
     """The best partner of every shape that is asked for."""
     clock = Clock()
     partners = StudiedPartners([*asked, *among], way.trunks, way.refinement)
@@ -119,7 +119,7 @@ def run_way(name: str, way: Way, asked: Sequence[Shape], among: Sequence[Shape])
         own = Clock()
         turned.append(turn(partners, i, row, way, own))
     clock.tick("CRS and construction")
-    return Outcome(name, turned, clock.seconds)
+    return WayOutcome(name, turned, clock.seconds)
 
 
 def turn(partners: StudiedPartners, i: int, scores: FloatArray, way: Way, own: Clock) -> Turned:
@@ -132,7 +132,7 @@ def turn(partners: StudiedPartners, i: int, scores: FloatArray, way: Way, own: C
     few = [j for j in sorted(cross, key=lambda j: (-cross[j], j))[: way.few] if cross[j] > 0.0]
     ious = partners.best(i, few)
     first = max(ious, key=lambda j: (ious[j], -j), default=-1)
-    made = partners.transform(i, first) if ious else None
+    transform = partners.transform(i, first) if ious else None
     own.tick("all")
     full = partners.side(i).trunks
     return Turned(
@@ -144,7 +144,7 @@ def turn(partners: StudiedPartners, i: int, scores: FloatArray, way: Way, own: C
         most=int(full.sizes.max(initial=0)),
         partner=partners.shapes[first].name if ious else "",
         iou=ious[first] if ious else math.nan,
-        n=len(made.pieces) if isinstance(made, Transform) else 0,
+        n=len(transform.pieces) if isinstance(transform, Transform) else 0,
         cpu_s=own.seconds["all"],
     )
 
@@ -154,19 +154,19 @@ def class_of(name: str) -> str:
     return name.rsplit("-", 1)[0]
 
 
-def show(outcomes: Sequence[Outcome], console: Console) -> None:
+def show(outcomes: Sequence[WayOutcome], console: Console) -> None:
     """Print, of each class and way, the best shape's IoU and n; of each way, quantiles, counts and times."""
     numbered = Table("class", "K", "trunks", box=box.SIMPLE_HEAD, pad_edge=False)
     for k, outcome in enumerate(outcomes):
         numbered.add_column(f"({k}) {outcome.way}" if len(outcome.way) < 20 else f"({k})", justify="right")
     numbered.add_column("best partner, way")
-    for cls in dict.fromkeys(one.cls for one in outcomes[0].shapes):
-        mine = [[one for one in outcome.shapes if one.cls == cls] for outcome in outcomes]
-        best = [max(shapes, key=lambda one: -1.0 if math.isnan(one.iou) else one.iou) for shapes in mine]
-        cells = ["none" if math.isnan(one.iou) else f"{one.iou:.3f}  n {one.n}" for one in best]
+    for cls in dict.fromkeys(shape.cls for shape in outcomes[0].shapes):
+        mine = [[shape for shape in outcome.shapes if shape.cls == cls] for outcome in outcomes]
+        best = [max(shapes, key=lambda shape: -1.0 if math.isnan(shape.iou) else shape.iou) for shapes in mine]
+        cells = ["none" if math.isnan(shape.iou) else f"{shape.iou:.3f}  n {shape.n}" for shape in best]
         top = max(range(len(best)), key=lambda k: -1.0 if math.isnan(best[k].iou) else best[k].iou)
-        convex = "–".join(str(count) for count in sorted({one.convex for one in mine[0]}))
-        trunks = f"{np.median([one.full for one in mine[0]]):.0f}"
+        convex = "–".join(str(count) for count in sorted({shape.convex for shape in mine[0]}))
+        trunks = f"{np.median([shape.full for shape in mine[0]]):.0f}"
         words = f"{best[top].name} → {best[top].partner} ({top})"
         numbered.add_row(f"{cls}{' *' if cls in STARS else ''}", convex, trunks, *cells, words)
     console.print(numbered)
@@ -183,20 +183,20 @@ def show(outcomes: Sequence[Outcome], console: Console) -> None:
     console.print("better, worse: shapes whose IoU is by more than 0.002 above or below that of the first way.")
 
 
-def _summary(outcome: Outcome, first: Outcome) -> list[str]:
-    ious = np.array([0.0 if math.isnan(one.iou) else one.iou for one in outcome.shapes])
-    before = np.array([0.0 if math.isnan(one.iou) else one.iou for one in first.shapes])
-    sizes = sorted({one.n for one in outcome.shapes if one.n})
-    found = ", ".join(f"{n}: {sum(one.n == n for one in outcome.shapes)}" for n in sizes)
+def _summary(outcome: WayOutcome, first: WayOutcome) -> list[str]:
+    ious = np.array([0.0 if math.isnan(shape.iou) else shape.iou for shape in outcome.shapes])
+    before = np.array([0.0 if math.isnan(shape.iou) else shape.iou for shape in first.shapes])
+    sizes = sorted({shape.n for shape in outcome.shapes if shape.n})
+    counts = ", ".join(f"{n}: {sum(shape.n == n for shape in outcome.shapes)}" for n in sizes)
     return [
         *(f"{np.quantile(ious, q):.3f}" for q in (0.5, 0.25)),
         *(f"{(ious >= limit).sum()}/{len(ious)}" for limit in (0.9, 0.95)),
-        str(sum(math.isnan(one.iou) for one in outcome.shapes)),
-        f"{np.median([one.full for one in outcome.shapes]):.0f}",
-        str(max(one.most for one in outcome.shapes)),
-        found,
+        str(sum(math.isnan(shape.iou) for shape in outcome.shapes)),
+        f"{np.median([shape.full for shape in outcome.shapes]):.0f}",
+        str(max(shape.most for shape in outcome.shapes)),
+        counts,
         *(str(int(count)) for count in ((ious > before + 0.002).sum(), (ious < before - 0.002).sum())),
-        f"{np.mean([one.cpu_s for one in outcome.shapes]):.2f}",
+        f"{np.mean([shape.cpu_s for shape in outcome.shapes]):.2f}",
         f"{outcome.seconds['quick trunks'] + outcome.seconds['full trunks']:.1f}",
     ]
 
@@ -221,7 +221,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         asked_paths += [members[k] for k in numbers]
     names = list(WAYS)
     try:
-        ways = names if chosen.ways is None else [names[int(part)] for part in chosen.ways.split(",")]
+        ways = names if chosen.ways is None else [names[int(number)] for number in chosen.ways.split(",")]
     except (ValueError, IndexError):
         parser.error(f"--ways {chosen.ways}: numbers from 0 to {len(names) - 1}, with commas")
 

@@ -94,7 +94,7 @@ def _row(plan: Progress, root: Path, stacks: list[TrunkStack], jobs: list[Job], 
             staged = [_stage(plan, root, executor, time.perf_counter) for _ in range(size.repeats)]
         bare = _bare_pool(stacks, jobs, workers, size.repeats)
     scores = {job: score_block(stacks[job[0]], stacks[job[1]], None, job[0] == job[1]) for job in jobs}
-    pairs = sum(len(found.score) for found in scores.values())
+    pairs = sum(len(block.score) for block in scores.values())
     unit = 1e3 * workers / pairs
     (seconds, cpu_seconds), loop = min(staged), unit * min(bare)
     return row(
@@ -105,7 +105,7 @@ def _row(plan: Progress, root: Path, stacks: list[TrunkStack], jobs: list[Job], 
         reference_ms=loop,
         floor=Floor(loop, {"blocks": len(jobs)}, f"the bare loop over {len(jobs)} blocks"),
         bounded_by=share,
-        agree=all(_stored_equal(plan, root, job, found) for job, found in scores.items()),
+        agree=all(_stored_equal(plan, root, job, block) for job, block in scores.items()),
         note=f"{100 * (seconds / min(bare) - 1):+.1f} %, {1e3 * cpu_seconds / pairs:.3g} of it CPU in the work items",
     )
 
@@ -124,7 +124,7 @@ def _stage(plan: Progress, root: Path, executor: Executor, clock: Callable[[], f
 
 def _bare(stacks: list[TrunkStack], jobs: list[Job]) -> float:
     # Copies: what a stack lays out for the search, it lays out once, and that is part of the loop.
-    fresh = [replace(each) for each in stacks]
+    fresh = [replace(trunk_stack) for trunk_stack in stacks]
     start = time.process_time()
     for a, b in jobs:
         score_block(fresh[a], fresh[b], None, a == b)
@@ -135,7 +135,7 @@ def _bare_pool(stacks: list[TrunkStack], jobs: list[Job], workers: int, repeats:
     """Wall seconds of each round, after one in which the processes import and load their kernels."""
     context = multiprocessing.get_context("spawn")
     seconds = []
-    with ProcessPoolExecutor(workers, context, _keep, ([each.to_arrays() for each in stacks],)) as pool:
+    with ProcessPoolExecutor(workers, context, _keep, ([trunk_stack.to_arrays() for trunk_stack in stacks],)) as pool:
         for number in range(repeats + 1):
             start = time.perf_counter()
             list(pool.map(_one, [(number, job) for job in jobs]))
@@ -150,11 +150,11 @@ def _keep(stacks: list[dict[str, npt.NDArray[Any]]]) -> None:
 def _one(task: tuple[int, Job]) -> int:
     number, (a, b) = task
     if number != _kept.round:
-        _kept.stacks, _kept.round = [replace(each) for each in _kept.stacks], number
+        _kept.stacks, _kept.round = [replace(trunk_stack) for trunk_stack in _kept.stacks], number
     return len(score_block(_kept.stacks[a], _kept.stacks[b], None, a == b).score)
 
 
-def _stored_equal(plan: Progress, root: Path, job: Job, found: BlockScores) -> bool:
+def _stored_equal(plan: Progress, root: Path, job: Job, scores: BlockScores) -> bool:
     (item,) = (item for item in plan.work["qcrs"] if item.block == job)
     stored = Store(root).get(*item.reference).arrays
-    return all(np.array_equal(array, getattr(found, name)) for name, array in stored.items())
+    return all(np.array_equal(array, getattr(scores, name)) for name, array in stored.items())

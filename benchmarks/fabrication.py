@@ -33,7 +33,7 @@ import trimesh
 from rich.console import Console
 from rich.table import Table
 
-from riot.fabricate import Built, FabricationError, FabricationParameters, build, fix
+from riot.fabricate import BuiltPuzzle, FabricationError, FabricationParameters, build, fix
 from riot.fabricate.export.flat import parts_of, write_flat_files
 from riot.fabricate.export.solids import write_puzzle
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
@@ -69,7 +69,7 @@ class Figures:
     telescopes: int = 0
     seconds: float = float("nan")
     file_error: float = float("nan")
-    said: str = ""
+    message: str = ""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -104,46 +104,50 @@ def measured(name: str, transform: Transform, parameters: FabricationParameters,
     """Figures of one transform's puzzle."""
     start = time.process_time()
     try:
-        made = (fix if mend else build)(transform, parameters)
+        puzzle = (fix if mend else build)(transform, parameters)
     except FabricationError as error:
         spent = time.process_time() - start
-        return Figures(name, error.reason, len(transform), parameters.size_mm, seconds=spent, said=str(error))
-    spent, certificate = time.process_time() - start, made.certificate
+        return Figures(name, error.reason, len(transform), parameters.size_mm, seconds=spent, message=str(error))
+    spent, certificate = time.process_time() - start, puzzle.certificate
     return Figures(
         name,
         "certified" if certificate.passed else "failed",
         len(transform),
-        made.design.parameters.size_mm,
+        puzzle.design.parameters.size_mm,
         max(check.components for check in certificate.parts),
         sum(check.volume for check in certificate.parts if check.name.startswith("piece")) / 1000.0,
         certificate.wall,
         certificate.motion.gap,
         certificate.motion.floor if certificate.motion.proven else float("nan"),
         certificate.motion.overlap,
-        len(made.design.motion.lifted),
+        len(puzzle.design.motion.lifted),
         spent,
-        file_error(made) if certificate.passed else float("nan"),
-        "; ".join(certificate.failures or made.changes),
+        file_error(puzzle) if certificate.passed else float("nan"),
+        "; ".join(certificate.failures or puzzle.changes),
     )
 
 
-def file_error(made: Built) -> float:
+def file_error(puzzle: BuiltPuzzle) -> float:
     """The greatest relative difference of a volume or area read back; infinite if a solid is not closed."""
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "puzzle"
         write_puzzle(
-            made.design, made.parts, made.certificate, folder, [lambda where: write_flat_files(made.design, where)]
+            puzzle.design,
+            puzzle.parts,
+            puzzle.certificate,
+            folder,
+            [lambda where: write_flat_files(puzzle.design, where)],
         )
-        volumes = {part.name: part.volume for part in made.parts}
+        volumes = {solid_part.name: solid_part.volume for solid_part in puzzle.parts}
         meshes = [(name, trimesh.load_mesh(folder / f"{name}.stl")) for name in volumes]
         for plate in sorted(folder.glob("*.3mf")):
             meshes += trimesh.load_scene(plate).geometry.items()
         solids = [abs(mesh.volume / volumes[name] - 1.0) if mesh.is_watertight else np.inf for name, mesh in meshes]
-        outlines = [part.region.area for part in parts_of(made.design, "outlines")]
+        outlines = [flat_part.region.area for flat_part in parts_of(puzzle.design, "outlines")]
         flat = [
-            abs(found / wanted - 1.0)
+            abs(area / expected - 1.0)
             for areas in (_svg_areas(folder / "laser-outlines.svg"), _dxf_areas(folder / "laser-outlines.dxf"))
-            for found, wanted in zip(areas, outlines, strict=True)
+            for area, expected in zip(areas, outlines, strict=True)
         ]
         return float(max(solids + flat))
 
@@ -151,20 +155,20 @@ def file_error(made: Built) -> float:
 def _svg_areas(path: Path) -> list[float]:
     """Areas of the closed paths, mm²."""
     paths = ElementTree.parse(path).getroot().iter("{http://www.w3.org/2000/svg}path")
-    rings = (np.array(re.findall(r"-?[\d.]+", each.attrib["d"]), dtype=np.float64).reshape(-1, 2) for each in paths)
+    rings = (np.array(re.findall(r"-?[\d.]+", path.attrib["d"]), dtype=np.float64).reshape(-1, 2) for path in paths)
     return [float(shapely.Polygon(ring).area) for ring in rings]
 
 
 def _dxf_areas(path: Path) -> list[float]:
     """Areas of the closed polylines, mm²."""
     drawn = ezdxf.readfile(path).modelspace()  # type: ignore[attr-defined]
-    return [float(shapely.Polygon(np.array(each.get_points("xy"))).area) for each in drawn]
+    return [float(shapely.Polygon(np.array(path.get_points("xy"))).area) for path in drawn]
 
 
 def show(rows: Sequence[Figures]) -> None:
     """Print a row a puzzle, and how many are certified."""
     table = Table(title="Puzzles: mm, cm³ in all pieces, mm³ in common", title_justify="left")
-    numeric = [field.name for field in fields(Figures) if field.name not in ("name", "status", "said")]
+    numeric = [field.name for field in fields(Figures) if field.name not in ("name", "status", "message")]
     for heading in ("name", "status", *numeric):
         table.add_column(heading.replace("_", " "), justify="right" if heading in numeric else "left")
     for row in rows:
@@ -173,8 +177,8 @@ def show(rows: Sequence[Figures]) -> None:
     console = Console(width=None if sys.stdout.isatty() else 160)
     console.print(table)
     for row in rows:
-        if row.said:
-            console.print(f"{row.name}: {row.said}", highlight=False, markup=False, soft_wrap=True)
+        if row.message:
+            console.print(f"{row.name}: {row.message}", highlight=False, markup=False, soft_wrap=True)
     certified = sum(row.status == "certified" for row in rows)
     mean = float(np.mean([row.seconds for row in rows]))
     console.print(f"{certified} of {len(rows)} certified; mean {mean:.2f} s", highlight=False)

@@ -55,16 +55,16 @@ WIDTH = 150
 
 def show(rows: Sequence[RecoveryShare], close: Sequence[Closeness], causes: Counter[str], console: Console) -> None:
     """Print the tables."""
-    sizes = sorted({n for each in rows for n in each.by_n})
+    sizes = sorted({n for row in rows for n in row.by_n})
     table = Table("", box=box.SIMPLE_HEAD, pad_edge=False)
     for name in ("share", "count", "95 %", "target", "met", *(f"n = {n}" for n in sizes)):
         table.add_column(name, justify="right", no_wrap=True)
-    for each in rows:
-        met = "" if each.target is None else "yes" if each.share >= each.target else "NO"
-        aim = "" if each.target is None else f"{each.target:.0%}"
-        cells = [f"{good}/{of}" for good, of in each.by_n.values()]
-        interval = f"{each.low:.1%} – {each.high:.1%}"
-        table.add_row(each.name, f"{each.share:.1%}", f"{each.good}/{each.of}", interval, aim, met, *cells)
+    for row in rows:
+        met = "" if row.target is None else "yes" if row.share >= row.target else "NO"
+        aim = "" if row.target is None else f"{row.target:.0%}"
+        cells = [f"{good}/{of}" for good, of in row.by_n.values()]
+        interval = f"{row.low:.1%} – {row.high:.1%}"
+        table.add_row(row.name, f"{row.share:.1%}", f"{row.good}/{row.of}", interval, aim, met, *cells)
     console.print(table)
     ious = Table("IoU of the worse shape", *QUANTILES, "refused", box=box.SIMPLE_HEAD, pad_edge=False)
     for which, row in quantiles(close).items():
@@ -77,17 +77,17 @@ def show(rows: Sequence[RecoveryShare], close: Sequence[Closeness], causes: Coun
 
 
 def draw_worst(
-    search: RecoverySearch, found: Sequence[Recovery], close: Sequence[Closeness], folder: Path, count: int = 4
+    search: RecoverySearch, records: Sequence[Recovery], close: Sequence[Closeness], folder: Path, count: int = 4
 ) -> None:
     """Pictures of the pairs that came out farthest from their inputs, and of those whose partner was lost."""
     folder.mkdir(parents=True, exist_ok=True)
     order = sorted(range(len(close)), key=lambda k: (not math.isnan(close[k].found), close[k].found))
-    lost = [k for k in range(len(close)) if found[2 * k].cause or found[2 * k + 1].cause]
+    lost = [k for k in range(len(close)) if records[2 * k].cause or records[2 * k + 1].cause]
     for kind, numbers in (("far", order[:count]), ("lost", lost)):
         for k in numbers:
-            made = search.partners.transform(2 * k, 2 * k + 1)
-            if isinstance(made, Transform):
-                draw_transform(made, folder / f"{kind}-{close[k].name}.png")
+            transform = search.partners.transform(2 * k, 2 * k + 1)
+            if isinstance(transform, Transform):
+                draw_transform(transform, folder / f"{kind}-{close[k].name}.png")
             _draw_trunks(search.hidden[2 * k : 2 * k + 2], folder / f"{kind}-{close[k].name}-trunks.png")
 
 
@@ -95,11 +95,11 @@ def _draw_trunks(sides: Sequence[Hidden], path: Path) -> None:
     import matplotlib.figure
 
     figure = matplotlib.figure.Figure(figsize=(8, 4))
-    for axes, each in zip(figure.subplots(1, 2), sides, strict=True):
-        axes.fill(*each.shape.points.T, color="0.8")
-        axes.fill(*each.corners.T, fill=False, edgecolor="tab:red")
+    for axes, side in zip(figure.subplots(1, 2), sides, strict=True):
+        axes.fill(*side.shape.points.T, color="0.8")
+        axes.fill(*side.corners.T, fill=False, edgecolor="tab:red")
         axes.set_aspect("equal")
-        axes.set_title(each.shape.name)
+        axes.set_title(side.shape.name)
         axes.axis("off")
     figure.savefig(path)
 
@@ -124,7 +124,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     if min(chosen.pairs, chosen.keep, chosen.few) < 1:
         parser.error("a number is out of range")
-    pieces = [int(part) for part in chosen.pieces.split(",")]
+    pieces = [int(number) for number in chosen.pieces.split(",")]
     paths = pictures(chosen.root, chosen.shapes) if chosen.root else []
     if chosen.root and not paths:
         parser.error(f"no pictures under {chosen.root}")
@@ -143,12 +143,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     shapes = [side.shape for pair in hidden for side in (pair.p, pair.q)]
     partners = StudiedPartners([*shapes, *others], trunks, refinement, variant=chosen.variant)
     search = RecoverySearch(hidden, partners, chosen.keep, chosen.few)
-    found = search.run(_say)
+    records = search.run(_say)
     close = [search.closeness(k) for k in range(len(hidden))]
     seconds = clock.seconds | search.clock.seconds
 
-    rows = figures(found, close, chosen.keep)
-    causes = Counter(one.cause for one in found if one.cause)
+    rows = figures(records, close, chosen.keep)
+    causes = Counter(record.cause for record in records if record.cause)
     console = Console(highlight=False)
     console = console if console.is_terminal else Console(highlight=False, width=WIDTH)
     about = f"{2 * len(hidden)} shapes of {len(hidden)} exact pairs among {len(search.partners.shapes)} shapes"
@@ -169,13 +169,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             "figures": [asdict(row) for row in rows],
             "quantiles": quantiles(close),
             "causes": causes,
-            "found": [asdict(one) for one in found],
-            "closeness": [asdict(one) for one in close],
+            "found": [asdict(record) for record in records],
+            "closeness": [asdict(record) for record in close],
             "cpu_s": seconds,
         }
         chosen.json.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if chosen.draw:
-        draw_worst(search, found, close, chosen.draw)
+        draw_worst(search, records, close, chosen.draw)
     return 0
 
 

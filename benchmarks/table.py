@@ -81,7 +81,7 @@ def row(
 
 def to_json(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Rows as plain values."""
-    return [asdict(each) for each in rows]
+    return [asdict(row) for row in rows]
 
 
 def show(rows: Sequence[Row], console: Console | None = None) -> None:
@@ -99,8 +99,8 @@ def show(rows: Sequence[Row], console: Console | None = None) -> None:
     table.add_column("floor", justify="right", no_wrap=True)
     table.add_column("× floor", justify="right", no_wrap=True)
     table.add_column("what bounds it; what the floor counts", ratio=4)
-    for each in rows:
-        table.add_row(*_cells(each))
+    for row in rows:
+        table.add_row(*_cells(row))
     console.print(table)
     console.print(
         "CPU milliseconds an item on one core, the least of the rounds of each item. ratio: the reference's mean over "
@@ -109,26 +109,26 @@ def show(rows: Sequence[Row], console: Console | None = None) -> None:
     )
 
 
-def _cells(each: Row) -> list[str]:
-    target = _number(each.target_ms)
-    if each.target_ratio is not None:
-        target += f", {each.target_ratio:g}×"
-    reference = f"{each.reference}, {_number(each.reference_ms)}" if each.reference_ms is not None else each.reference
-    if each.agree is not None:
-        reference += ", equal" if each.agree else ", NOT EQUAL"
-    met = "" if each.met is None else "yes" if each.met else "NO"
-    about = "; ".join(part for part in (each.bounded_by, each.note, each.floor.says if each.floor else "") if part)
+def _cells(row: Row) -> list[str]:
+    target = _number(row.target_ms)
+    if row.target_ratio is not None:
+        target += f", {row.target_ratio:g}×"
+    reference = f"{row.reference}, {_number(row.reference_ms)}" if row.reference_ms is not None else row.reference
+    if row.agree is not None:
+        reference += ", equal" if row.agree else ", NOT EQUAL"
+    met = "" if row.met is None else "yes" if row.met else "NO"
+    about = "; ".join(remark for remark in (row.bounded_by, row.note, row.floor.says if row.floor else "") if remark)
     return [
-        f"{each.step}, {each.items} {each.per}{'s' if each.items != 1 else ''}"
-        + (f", {each.failed} refused" if each.failed else ""),
-        *(_number(value) for value in (each.paper_ms,)),
+        f"{row.step}, {row.items} {row.per}{'s' if row.items != 1 else ''}"
+        + (f", {row.failed} refused" if row.failed else ""),
+        *(_number(value) for value in (row.paper_ms,)),
         target,
-        *(_number(value) for value in (each.median_ms, each.mean_ms, each.p90_ms)),
+        *(_number(value) for value in (row.median_ms, row.mean_ms, row.p90_ms)),
         reference,
-        "" if each.ratio is None else f"{each.ratio:.3g}×",
+        "" if row.ratio is None else f"{row.ratio:.3g}×",
         met,
-        _number(each.floor.ms) if each.floor else "",
-        "" if each.times_floor is None else f"{each.times_floor:.3g}",
+        _number(row.floor.ms) if row.floor else "",
+        "" if row.times_floor is None else f"{row.times_floor:.3g}",
         about,
     ]
 

@@ -54,17 +54,17 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Done:
 
 
 def puzzles(done: Done) -> list[tuple[SliceOutcome, Puzzle]]:
-    return [(each, each.puzzle) for each in done[1] if each.puzzle is not None]
+    return [(outcome, outcome.puzzle) for outcome in done[1] if outcome.puzzle is not None]
 
 
 def test_a_slice_that_cannot_be_made_stops_no_other(done: Done) -> None:
     _, outcomes, folder = done
-    assert [each.puzzle is None for each in outcomes] == [False, False, True]
+    assert [outcome.puzzle is None for outcome in outcomes] == [False, False, True]
     assert "mm long, and 30 to 1000 mm can be made: make the object larger" in outcomes[2].reason
     assert len(outcomes[2].attempts) >= 1
     assert outcomes[2].attempts[0].counterpart in NAMES
     assert sorted(path.name for path in folder.iterdir() if path.is_dir()) == [
-        f"slice-{each.slice.number}-{puzzle.counterpart}" for each, puzzle in puzzles(done)
+        f"slice-{outcome.slice.number}-{puzzle.counterpart}" for outcome, puzzle in puzzles(done)
     ]
 
 
@@ -76,12 +76,12 @@ def test_each_counterpart_is_taken_once(done: Done) -> None:
 
 def test_every_slice_is_certified_at_its_own_size(done: Done) -> None:
     stack = done[0]
-    for each, puzzle in puzzles(done):
+    for outcome, puzzle in puzzles(done):
         assert puzzle.transform.certificate().passed
         assert puzzle.certificate.passed
         assert puzzle.built.design.parameters.height == stack.thickness
         # A unit of the shape is the slice's: area 1 is its area in mm².
-        assert puzzle.built.design.scale**2 == pytest.approx(each.slice.area, rel=2e-2)
+        assert puzzle.built.design.scale**2 == pytest.approx(outcome.slice.area, rel=2e-2)
         assert puzzle.built.design.scale == pytest.approx(abs(puzzle.transform.p.to_source[0, 0]), rel=1e-12)
 
 
@@ -89,7 +89,7 @@ def test_solids_read_back_and_stack_in_place(done: Done) -> None:
     """Placed by what the files say, the pieces of a slice lie in its slab, over its outline."""
     stack, _, folder = done
     document = json.loads((folder / "set.json").read_text(encoding="utf-8"))
-    for entry, each in zip(document["slices"], stack.slices, strict=True):
+    for entry, slice_ in zip(document["slices"], stack.slices, strict=True):
         if "folder" not in entry:
             continue
         where = folder / entry["folder"]
@@ -108,10 +108,10 @@ def test_solids_read_back_and_stack_in_place(done: Done) -> None:
             0.0,
             pytest.approx(entry["high_mm"] - entry["low_mm"]),
         )
-        box = np.array(each.outline.bounds)
-        found = np.concatenate([np.min(low, axis=0)[:2], np.max(high, axis=0)[:2]])
-        assert np.abs(found - box).max() < 0.1 * scale
-        assert 0.85 < volume / (each.area * stack.thickness) < 1.05
+        box = np.array(slice_.outline.bounds)
+        box_of_mesh = np.concatenate([np.min(low, axis=0)[:2], np.max(high, axis=0)[:2]])
+        assert np.abs(box_of_mesh - box).max() < 0.1 * scale
+        assert 0.85 < volume / (slice_.area * stack.thickness) < 1.05
         assert min(entry["iou_slice"], entry["iou_counterpart"]) > 0.85
 
 
@@ -136,7 +136,9 @@ def test_the_pictures_show_every_slice(done: Done) -> None:
     assert np.diff(coloured).max() > 20
     scene = slices_scene(outcomes)
     words = " ".join(mark.text for mark in scene.marks if hasattr(mark, "text"))
-    assert all(f"slice {each.slice.number}" in words and puzzle.counterpart in words for each, puzzle in puzzles(done))
+    assert all(
+        f"slice {outcome.slice.number}" in words and puzzle.counterpart in words for outcome, puzzle in puzzles(done)
+    )
 
 
 def test_files_are_the_same_bytes_every_time(done: Done, tmp_path: Path) -> None:
@@ -160,7 +162,7 @@ def test_nothing_is_written_if_anything_fails(done: Done, tmp_path: Path) -> Non
 
     with pytest.raises(RuntimeError, match="blunt"):
         write_set(stack, outcomes, tmp_path / "set", broken)  # type: ignore[arg-type]
-    none = tuple(replace(each, puzzle=None, reason="too late") for each in outcomes)
+    none = tuple(replace(outcome, puzzle=None, reason="too late") for outcome in outcomes)
     with pytest.raises(ModelError, match="no slice could be made: slice 1: too late"):
         write_set(stack, none, tmp_path / "set")
     assert list(tmp_path.iterdir()) == []
@@ -168,7 +170,7 @@ def test_nothing_is_written_if_anything_fails(done: Done, tmp_path: Path) -> Non
 
 def test_a_stack_of_failures_alone_still_has_a_picture(done: Done, tmp_path: Path) -> None:
     stack, outcomes, _ = done
-    draw_overview(stack, [replace(each, puzzle=None) for each in outcomes], tmp_path / "grey.png")
+    draw_overview(stack, [replace(outcome, puzzle=None) for outcome in outcomes], tmp_path / "grey.png")
     pixels = np.asarray(Image.open(tmp_path / "grey.png").convert("RGB")).astype(np.int64)
     assert np.ptp(pixels, axis=2).max() < 20
     assert pixels.min() < 100
@@ -178,11 +180,11 @@ def test_a_slice_is_mended_when_told_to() -> None:
     stack = cut(Model("egg", low_egg()), Cut(1, 16.0, along="z"))
     thick = FabricationParameters(pin_mm=8.0, wall_mm=4.0)
 
-    def made(mend: bool) -> SliceOutcome:
+    def first_outcome(mend: bool) -> SliceOutcome:
         (outcome,) = make_puzzles(stack, lambda slices: shortlists(slices, counterparts()[1:2], 1), thick, mend=mend)
         return outcome
 
-    asked, mended = made(False), made(True)
+    asked, mended = first_outcome(False), first_outcome(True)
     assert asked.puzzle is None and asked.attempts[0].counterpart == "polygon-square"
     assert mended.puzzle is not None
     assert mended.puzzle.built.changes == ("pin_mm: 1.75 instead of 8",)
@@ -193,9 +195,9 @@ def test_a_slice_too_small_for_its_hinges_keeps_its_size_and_says_what_is_enough
     coarse = FabricationParameters(pin_mm=1.75, wall_mm=10.0)
     (outcome,) = make_puzzles(stack, lambda slices: shortlists(slices, counterparts()[1:2], 1), coarse, mend=True)
     assert outcome.puzzle is None
-    said = outcome.attempts[0].reason
-    assert said.startswith("it is only ") and "slices keep their size: make the object" in said
-    assert "instead of" not in said  # nothing was tried that a slice could not have
+    reason = outcome.attempts[0].reason
+    assert reason.startswith("it is only ") and "slices keep their size: make the object" in reason
+    assert "instead of" not in reason  # nothing was tried that a slice could not have
 
 
 class TestCommand:
@@ -220,9 +222,9 @@ class TestCommand:
         out = tmp_path / "out"
         given = ["slices", str(model), "--count", "2", "--thickness", "20", "--along", "z", "-o", str(out)]
         assert main([*given, "--into", ",".join(pictures[:2]), "--pin", "1.75"]) == MADE
-        said = capsys.readouterr()
-        assert "2 slices of 20 mm along z" in said.out
-        assert str(out) in said.out
+        output = capsys.readouterr()
+        assert "2 slices of 20 mm along z" in output.out
+        assert str(out) in output.out
         document = json.loads((out / "set.json").read_text(encoding="utf-8"))
         assert document["model"] == "egg"
         assert all(entry["certified"] and entry["counterpart"] in NAMES[:2] for entry in document["slices"])
@@ -232,7 +234,7 @@ class TestCommand:
         assert "is there already" in capsys.readouterr().err
 
     @pytest.mark.parametrize(
-        ("options", "said"),
+        ("options", "message"),
         [
             (["--count", "2", "--thickness", "3"], "thickness_mm: must be 6 to 30 mm, got 3.0"),
             (["--count", "0"], "count is 0: give a number above 0"),
@@ -244,7 +246,7 @@ class TestCommand:
     def test_says_what_is_wrong(
         self,
         options: list[str],
-        said: str,
+        message: str,
         model: Path,
         pictures: list[str],
         tmp_path: Path,
@@ -252,7 +254,7 @@ class TestCommand:
     ) -> None:
         out = tmp_path / "out"
         assert main(["slices", str(model), "--into", pictures[0], "-o", str(out), *options]) == BAD
-        assert said in capsys.readouterr().err
+        assert message in capsys.readouterr().err
         assert not out.exists()
 
     def test_says_what_is_wrong_with_the_counterparts(

@@ -19,12 +19,13 @@ from riot.errors import ParameterError
 from riot.fabricate import Design, FabricationError, FabricationParameters, PieceDesign, design
 from riot.fabricate import certificate as certificate_module
 from riot.fabricate.certificate import certify, fix
-from riot.fabricate.checks import placed_parts
 from riot.fabricate.model import Slab
-from riot.fabricate.outlines import disc, mends, narrowest
+from riot.fabricate.motion_check import placed_parts
+from riot.fabricate.outlines import disc, narrowest, widening_parameter
 from riot.fabricate.solid import extruded, genus, make_parts
-from riot.fabricate.sub_chains import STEP, sub_chains
+from riot.fabricate.sub_chains import sub_chains
 from riot.fabricate.telescope import make_telescope
+from riot.fabricate.tuning import GREATEST_TURN
 from riot.geometry.polyline import extent, signed_area
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters import allowed_range
@@ -77,38 +78,38 @@ def designs() -> list[Design]:
     return [design_of(0, 0), *(design_of(*pair) for pair in PAIRS), lifted_design()]
 
 
-def with_piece(made: Design, index: int, changed: Callable[[PieceDesign], PieceDesign]) -> Design:
-    pieces = tuple(changed(piece) if i == index else piece for i, piece in enumerate(made.pieces))
-    return replace(made, pieces=pieces)
+def with_piece(puzzle_design: Design, index: int, changed: Callable[[PieceDesign], PieceDesign]) -> Design:
+    pieces = tuple(changed(piece) if i == index else piece for i, piece in enumerate(puzzle_design.pieces))
+    return replace(puzzle_design, pieces=pieces)
 
 
 @pytest.mark.parametrize("which", range(5))
 def test_every_design_is_certified_and_its_solids_are_what_its_layers_say(which: int) -> None:
-    made = designs()[which]
-    parts = make_parts(made)
-    certificate = certify(made, parts)
+    puzzle_design = designs()[which]
+    parts = make_parts(puzzle_design)
+    certificate = certify(puzzle_design, parts)
     assert certificate.failures == ()
     assert certificate.motion.proven
     assert certificate.motion.overlap == 0.0
-    assert certificate.motion.gap >= made.parameters.gap_mm
-    for part, check in zip(parts, certificate.parts, strict=True):
+    assert certificate.motion.gap >= puzzle_design.parameters.gap_mm
+    for solid_part, check in zip(parts, certificate.parts, strict=True):
         assert (check.status, check.components) == ("NoError", 1)
-        assert part.volume == pytest.approx(sum(slab.volume for slab in part.slabs), rel=1e-9)
-        points, triangles = part.mesh()
+        assert solid_part.volume == pytest.approx(sum(slab.volume for slab in solid_part.slabs), rel=1e-9)
+        points, triangles = solid_part.mesh()
         edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
         # A closed surface: every edge is there once in either direction.
         assert len(np.unique(edges, axis=0)) == len(edges)
         assert set(map(tuple, edges.tolist())) == set(map(tuple, edges[:, ::-1].tolist()))
         a, b, c = points[triangles].transpose(1, 0, 2)
-        assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0 == pytest.approx(part.volume, rel=1e-9)
+        assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0 == pytest.approx(solid_part.volume, rel=1e-9)
         assert len(points) - len(edges) // 2 + len(triangles) == 2 - 2 * check.genus
 
 
 @pytest.mark.parametrize("pair", [(0, 0), *PAIRS])
 def test_a_piece_is_its_outline_extruded_but_for_the_account_of_its_hinges(pair: tuple[int, int]) -> None:
-    made = design_of(*pair)
-    height, radius = made.parameters.height, made.parameters.knuckle_radius
-    for piece in made.pieces:
+    puzzle_design = design_of(*pair)
+    height, radius = puzzle_design.parameters.height, puzzle_design.parameters.knuckle_radius
+    for piece in puzzle_design.pieces:
         ends = [end for end in (piece.start, piece.end) if end.kind == "pin"]
         flat = piece.body.area * height
         # Knuckles add at most their cylinders, relief and holes take at most theirs.
@@ -123,23 +124,23 @@ def test_a_piece_is_its_outline_extruded_but_for_the_account_of_its_hinges(pair:
 
 @pytest.mark.parametrize("pair", [(0, 0), *PAIRS])
 def test_handles_are_counted_by_knuckles(pair: tuple[int, int]) -> None:
-    made = design_of(*pair)
-    for piece, part in zip(made.pieces, make_parts(made), strict=False):
+    puzzle_design = design_of(*pair)
+    for piece, solid_part in zip(puzzle_design.pieces, make_parts(puzzle_design), strict=False):
         expected = 2 * (piece.start.kind == "pin") + (piece.end.kind == "pin")
-        assert genus(part.slabs) == part.solid.genus() == expected
+        assert genus(solid_part.slabs) == solid_part.solid.genus() == expected
 
 
 @pytest.mark.parametrize("which", range(5))
 def test_hinges_are_where_the_motion_says(which: int) -> None:
-    made = designs()[which]
-    motion, n = made.motion, len(made.pieces)
-    kinds = {piece.start.hinge: piece.start.kind for piece in made.pieces}
+    puzzle_design = designs()[which]
+    motion, n = puzzle_design.motion, len(puzzle_design.pieces)
+    kinds = {piece.start.hinge: piece.start.kind for piece in puzzle_design.pieces}
     assert [kind for _, kind in sorted(kinds.items())] == [
         "open" if h == motion.open_hinge else "telescopic" if h in motion.lifted else "pin" for h in range(n)
     ]
-    assert sum(pin.count for pin in made.pins) == list(kinds.values()).count("pin")
-    assert made.sleeves == len(motion.lifted)
-    for before, after in zip(made.pieces, made.pieces[1:] + made.pieces[:1], strict=True):
+    assert sum(pin.count for pin in puzzle_design.pins) == list(kinds.values()).count("pin")
+    assert puzzle_design.sleeves == len(motion.lifted)
+    for before, after in zip(puzzle_design.pieces, puzzle_design.pieces[1:] + puzzle_design.pieces[:1], strict=True):
         assert before.end.hinge == after.start.hinge
         assert {before.end.role, after.start.role} in ({"male", "female"}, {"none"})
         assert (before.end.x, before.end.y) == (before.length, 0.0)
@@ -147,8 +148,8 @@ def test_hinges_are_where_the_motion_says(which: int) -> None:
 
 def test_holes_leave_the_pin_the_clearance_asked_for() -> None:
     parameters = FabricationParameters(pin_mm=4.0, clearance_mm=0.5, play_mm=0.1, wall_mm=2.0)
-    made = design(transform_of(5, 1), parameters)
-    for piece in made.pieces:
+    puzzle_design = design(transform_of(5, 1), parameters)
+    for piece in puzzle_design.pieces:
         for end, gap in ((piece.start, 0.1), (piece.end, 0.5)):
             if end.kind != "pin":
                 continue
@@ -160,17 +161,17 @@ def test_holes_leave_the_pin_the_clearance_asked_for() -> None:
                 wall = disc(end.x, end.y, ring.radius - 0.01).difference(disc(end.x, end.y, 2.0 + gap + 0.02))
                 assert slab.section.contains(wall)
             assert end.hole_mm == pytest.approx(4.0 + 2.0 * gap)
-    assert made.pins[0].diameter == 4.0
+    assert puzzle_design.pins[0].diameter == 4.0
 
 
 @pytest.mark.parametrize("pair", [(0, 0), *PAIRS])
 def test_size_is_the_long_side_of_the_larger_shape(pair: tuple[int, int]) -> None:
-    made = design_of(*pair)
-    transform = made.transform
-    sides = [made.scale * extent(outline) for outline in (transform.outline_p(), transform.outline_q())]
+    puzzle_design = design_of(*pair)
+    transform = puzzle_design.transform
+    sides = [puzzle_design.scale * extent(outline) for outline in (transform.outline_p(), transform.outline_q())]
     assert max(sides) == pytest.approx(120.0)
-    for piece, of in zip(made.pieces, transform.pieces, strict=True):
-        whole = shapely.Polygon(made.scale * of.polygon)
+    for piece, of in zip(puzzle_design.pieces, transform.pieces, strict=True):
+        whole = shapely.Polygon(puzzle_design.scale * of.polygon)
         assert signed_area(piece.outline) > 0.0
         assert whole.contains(shapely.Polygon(piece.outline))
         # Half the gap all round, and hardly more.
@@ -178,12 +179,12 @@ def test_size_is_the_long_side_of_the_larger_shape(pair: tuple[int, int]) -> Non
 
 
 def test_samples_of_the_course_agree_with_the_motion_and_are_close() -> None:
-    made = lifted_design()
-    for sub_chain in sub_chains(made.motion, made.scale):
-        assert np.abs(np.diff(sub_chain.headings, axis=0)).max(initial=0.0) <= STEP * (1.0 + 1e-9)
+    puzzle_design = lifted_design()
+    for sub_chain in sub_chains(puzzle_design.motion, puzzle_design.scale):
+        assert np.abs(np.diff(sub_chain.headings, axis=0)).max(initial=0.0) <= GREATEST_TURN * (1.0 + 1e-9)
         for k in (0, len(sub_chain.times) // 2, len(sub_chain.times) - 1):
-            pose = made.motion.pose_at(float(sub_chain.times[k]))
-            origins = made.scale * pose.origins[sub_chain.pieces]
+            pose = puzzle_design.motion.pose_at(float(sub_chain.times[k]))
+            origins = puzzle_design.scale * pose.origins[sub_chain.pieces]
             apart = np.linalg.norm(origins[:, None] - origins[None], axis=2)
             points = sub_chain.points[k, :-1]
             assert np.allclose(apart, np.linalg.norm(points[:, None] - points[None], axis=2), atol=1e-9)
@@ -195,19 +196,19 @@ def test_samples_of_the_course_agree_with_the_motion_and_are_close() -> None:
     which=st.integers(0, 4),
 )
 def test_no_two_parts_overlap_at_any_pose(t: float, which: int) -> None:
-    made = designs()[which]
-    placed = [solid for _, solid in placed_parts(made, make_parts(made), t)]
+    puzzle_design = designs()[which]
+    placed = [solid for _, solid in placed_parts(puzzle_design, make_parts(puzzle_design), t)]
     assert all((placed[i] ^ placed[j]).volume() < 1e-9 for i in range(len(placed)) for j in range(i))
 
 
 def test_the_telescope_lifts_far_enough_and_holds() -> None:
-    made = lifted_design()
-    assert made.telescope is not None
-    check = next(check for check in certify(made).hinges if check.kind == "telescopic")
+    puzzle_design = lifted_design()
+    assert puzzle_design.telescope is not None
+    check = next(check for check in certify(puzzle_design).hinges if check.kind == "telescopic")
     assert check.failures == ()
-    assert made.telescope.travel >= made.parameters.height + 1.0
-    heights = made.lift * made.motion.levels_at(0.5)
-    assert sorted(set(heights.tolist())) == [0.0, made.parameters.height + 1.0]
+    assert puzzle_design.telescope.travel >= puzzle_design.parameters.height + 1.0
+    heights = puzzle_design.lift * puzzle_design.motion.levels_at(0.5)
+    assert sorted(set(heights.tolist())) == [0.0, puzzle_design.parameters.height + 1.0]
 
 
 @pytest.mark.parametrize("thickness", [9.0, 12.0, 20.0, 30.0])
@@ -264,10 +265,10 @@ def test_a_size_too_small_is_refused_with_the_size_that_is_enough() -> None:
 
 
 def test_fixing_says_what_it_changed_and_stays_within_the_ranges() -> None:
-    made = fix(transform_of(6, 2), FabricationParameters(size_mm=30.0, pin_mm=8.0))
-    assert made.certificate.passed
-    assert made.design.parameters.pin_mm == 1.75
-    assert "pin_mm: 1.75 instead of 8" in made.changes
+    puzzle_design = fix(transform_of(6, 2), FabricationParameters(size_mm=30.0, pin_mm=8.0))
+    assert puzzle_design.certificate.passed
+    assert puzzle_design.design.parameters.pin_mm == 1.75
+    assert "pin_mm: 1.75 instead of 8" in puzzle_design.changes
     untouched = fix(transform_of(3, 1))
     assert untouched.changes == ()
     assert untouched.design.parameters == FabricationParameters()
@@ -284,7 +285,7 @@ def test_fixing_keeps_the_size_where_it_must(monkeypatch: pytest.MonkeyPatch) ->
     with pytest.raises(FabricationError, match=r"too small \(tried with pin_mm: 1.75 instead of 3\)") as caught:
         fix(transform_of(3, 1), FabricationParameters(size_mm=50.0), enlarge=False)
     assert (caught.value.parameter, caught.value.value) == ("size_mm", 80.0)
-    assert [(each.size_mm, each.pin_mm) for each in tried] == [(50.0, 3.0), (50.0, 1.75)]
+    assert [(attempt.size_mm, attempt.pin_mm) for attempt in tried] == [(50.0, 3.0), (50.0, 1.75)]
 
 
 def test_what_no_change_mends_is_told_as_it_is() -> None:
@@ -315,39 +316,39 @@ def test_an_inexact_transform_is_refused() -> None:
 
 def test_a_narrow_corner_is_told_of_and_a_thicker_wall_mends_it() -> None:
     thin = shapely.Polygon([(0.0, 0.0), (60.0, -6.0), (60.0, 6.0)]).buffer(-0.175)
-    made = design_of(3, 1)
-    start = next(piece.start for piece in made.pieces if piece.start.kind == "pin")
+    puzzle_design = design_of(3, 1)
+    start = next(piece.start for piece in puzzle_design.pieces if piece.start.kind == "pin")
     joined = shapely.union_all([thin, disc(0.0, 0.0, start.radius)])
-    piece = replace(made.pieces[0], body=thin, start=start, slabs=(Slab(0.0, 9.0, joined),))
+    piece = replace(puzzle_design.pieces[0], body=thin, start=start, slabs=(Slab(0.0, 9.0, joined),))
     assert narrowest(piece) < 1.0
-    assert mends(piece, 0.8) == "wall_mm"
+    assert widening_parameter(piece, 0.8) == "wall_mm"
 
 
 class TestDamage:
     """The certificate must fail, and say where."""
 
     def test_pieces_without_a_gap(self) -> None:
-        made = design_of(5, 1)
-        hinge = next(piece.start.hinge for piece in made.pieces if piece.start.kind == "pin")
+        puzzle_design = design_of(5, 1)
+        hinge = next(piece.start.hinge for piece in puzzle_design.pieces if piece.start.kind == "pin")
 
         def grown(piece: PieceDesign) -> PieceDesign:
             return replace(
                 piece, slabs=tuple(Slab(slab.low, slab.high, slab.section.buffer(0.36)) for slab in piece.slabs)
             )
 
-        failures = certify(with_piece(made, hinge, grown)).failures
+        failures = certify(with_piece(puzzle_design, hinge, grown)).failures
         assert any(f"hinge {hinge}" in words and "gap_mm" in words for words in failures)
 
     def test_knuckles_without_room(self) -> None:
-        made = design_of(5, 1)
-        hinge = next(piece.start.hinge for piece in made.pieces if piece.start.kind == "pin")
+        puzzle_design = design_of(5, 1)
+        hinge = next(piece.start.hinge for piece in puzzle_design.pieces if piece.start.kind == "pin")
 
         def unrelieved(piece: PieceDesign) -> PieceDesign:
             return replace(
                 piece, slabs=tuple(Slab(s.low, s.high, shapely.union(s.section, piece.body)) for s in piece.slabs)
             )
 
-        damaged = with_piece(made, hinge, unrelieved)
+        damaged = with_piece(puzzle_design, hinge, unrelieved)
         certificate = certify(damaged)
         assert not certificate.motion.proven
         assert certificate.motion.overlap > 1.0
@@ -355,32 +356,32 @@ class TestDamage:
         assert any("overlap by" in words and "at time" in words for words in certificate.failures)
 
     def test_holes_too_small_for_the_pin(self) -> None:
-        made = design_of(5, 1)
-        damaged = replace(made, parameters=replace(made.parameters, pin_mm=3.4))
+        puzzle_design = design_of(5, 1)
+        damaged = replace(puzzle_design, parameters=replace(puzzle_design.parameters, pin_mm=3.4))
         failures = certify(damaged).failures
         assert any("clearance_mm asks for 0.35" in words for words in failures)
         assert any("play_mm asks for 0.2" in words for words in failures)
 
     def test_a_solid_that_is_not_its_layers(self) -> None:
-        made = design_of(5, 1)
-        parts = make_parts(made)
+        puzzle_design = design_of(5, 1)
+        parts = make_parts(puzzle_design)
         worn = replace(parts[0], solid=extruded(parts[0].slabs[:-1]))
-        failures = certify(made, (worn, *parts[1:])).failures
+        failures = certify(puzzle_design, (worn, *parts[1:])).failures
         assert any(words.startswith("piece-1 has") and "where its layers have" in words for words in failures)
 
     def test_a_piece_in_two_parts(self) -> None:
-        made = design_of(5, 1)
-        parts = make_parts(made)
+        puzzle_design = design_of(5, 1)
+        parts = make_parts(puzzle_design)
         two = replace(parts[0], solid=parts[0].solid + parts[0].solid.translate((500.0, 0.0, 0.0)))
-        assert any("piece-1 is in 2 parts" in words for words in certify(made, (two, *parts[1:])).failures)
+        assert any("piece-1 is in 2 parts" in words for words in certify(puzzle_design, (two, *parts[1:])).failures)
 
     def test_pieces_that_cannot_lift_past_each_other(self) -> None:
-        made = lifted_design()
-        upper = made.motion.lifted[0]
+        puzzle_design = lifted_design()
+        upper = puzzle_design.motion.lifted[0]
 
         def wide(piece: PieceDesign) -> PieceDesign:
             lowest = piece.slabs[0]
             return replace(piece, slabs=(Slab(lowest.low, lowest.high, piece.footprint.buffer(1.0)), *piece.slabs[1:]))
 
-        failures = certify(with_piece(made, upper, wide)).failures
+        failures = certify(with_piece(puzzle_design, upper, wide)).failures
         assert any(words.startswith(f"piece-{upper + 1} cannot lift past") for words in failures)

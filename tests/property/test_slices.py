@@ -22,7 +22,7 @@ from riot.slices.assign import assign
 from riot.slices.cut import AXES, Axis, section
 from riot.types import BoolArray, FloatArray
 
-SIDES = 64
+CYLINDER_SIDES = 64
 SPAN = st.floats(5.0, 80.0)
 COUNT = st.integers(1, 9)
 THICKNESS = st.integers(30, 150).map(lambda layers: layers * 0.2)
@@ -34,12 +34,12 @@ def box(a: float, b: float, c: float) -> Model:
 
 def torus() -> Model:
     """Around the z-axis, radii 30 and 10 mm."""
-    ring = manifold3d.CrossSection.circle(10.0, SIDES).translate((30.0, 0.0))
-    return Model("torus", manifold3d.Manifold.revolve(ring, SIDES))
+    ring = manifold3d.CrossSection.circle(10.0, CYLINDER_SIDES).translate((30.0, 0.0))
+    return Model("torus", manifold3d.Manifold.revolve(ring, CYLINDER_SIDES))
 
 
 def ellipsoid(a: float, b: float, c: float) -> Model:
-    return Model("ellipsoid", manifold3d.Manifold.sphere(1.0, 3 * SIDES).scale((a, b, c)))
+    return Model("ellipsoid", manifold3d.Manifold.sphere(1.0, 3 * CYLINDER_SIDES).scale((a, b, c)))
 
 
 def blob() -> Model:
@@ -51,7 +51,7 @@ def blob() -> Model:
 
 def disc_area(radius: float) -> float:
     """Of the polygon that stands for a disc."""
-    return 0.5 * SIDES * math.sin(2.0 * math.pi / SIDES) * radius**2
+    return 0.5 * CYLINDER_SIDES * math.sin(2.0 * math.pi / CYLINDER_SIDES) * radius**2
 
 
 @settings(max_examples=25)
@@ -60,18 +60,18 @@ def test_slices_of_a_box_are_its_face(a: float, b: float, c: float, count: int, 
     stack = cut(box(a, b, c), Cut(count, thickness, along=along))
     height, face = {"x": (a, b * c), "y": (b, c * a), "z": (c, a * b)}[along]
     assert stack.scale == pytest.approx(count * stack.thickness / height)
-    assert [each.area for each in stack.slices] == pytest.approx([face * stack.scale**2] * count)
+    assert [slice_.area for slice_ in stack.slices] == pytest.approx([face * stack.scale**2] * count)
     assert stack.iou == pytest.approx(1.0)
-    assert [each.filled + each.lost for each in stack.slices] == pytest.approx([0.0] * count, abs=1e-6)
+    assert [slice_.filled + slice_.lost for slice_ in stack.slices] == pytest.approx([0.0] * count, abs=1e-6)
 
 
 @settings(max_examples=15)
 @given(COUNT, THICKNESS, st.floats(10.0, 40.0), st.floats(0.0, 1.0))
 def test_slices_of_a_cone_and_a_cylinder_are_discs(count: int, thickness: float, radius: float, top: float) -> None:
-    solid = manifold3d.Manifold.cylinder(50.0, radius, top * radius, SIDES)
+    solid = manifold3d.Manifold.cylinder(50.0, radius, top * radius, CYLINDER_SIDES)
     stack = cut(Model("cone", solid), Cut(count, thickness, along="z"))
     shares = 1.0 + (top - 1.0) * (np.arange(count) + 0.5) / count
-    assert [each.area for each in stack.slices] == pytest.approx(disc_area(radius * stack.scale) * shares**2)
+    assert [slice_.area for slice_ in stack.slices] == pytest.approx(disc_area(radius * stack.scale) * shares**2)
 
 
 def test_slices_of_an_ellipsoid_are_ellipses() -> None:
@@ -79,9 +79,9 @@ def test_slices_of_an_ellipsoid_are_ellipses() -> None:
     stack = cut(ellipsoid(a, b, c), Cut(9, 10.0, along="z"))
     heights = (np.arange(9) + 0.5) / 4.5 - 1.0
     wanted = math.pi * a * b * stack.scale**2 * (1.0 - heights**2)
-    assert [each.area for each in stack.slices] == pytest.approx(wanted, rel=2e-3)
-    for each in stack.slices:
-        low, high = np.array(each.outline.bounds).reshape(2, 2)
+    assert [slice_.area for slice_ in stack.slices] == pytest.approx(wanted, rel=2e-3)
+    for slice_ in stack.slices:
+        low, high = np.array(slice_.outline.bounds).reshape(2, 2)
         assert (high - low)[1] / (high - low)[0] == pytest.approx(b / a, rel=1e-2)
 
 
@@ -92,20 +92,20 @@ def test_areas_times_thickness_add_up_to_the_volume(along: Axis) -> None:
         errors = []
         for count in (4, 12, 36):
             stack = cut(model, Cut(count, 6.0, along=along))
-            total = sum(each.section.area for each in stack.slices) * stack.thickness
+            total = sum(slice_.section.area for slice_ in stack.slices) * stack.thickness
             errors.append(abs(total / stack.solid.volume() - 1.0))
         assert 4.0 * errors[2] < 2.0 * errors[1] < errors[0] < 0.1
 
 
 def test_a_hole_is_filled_and_told() -> None:
     stack = cut(torus(), Cut(5, 10.0, along="z"))
-    for each in stack.slices:
-        assert len(each.outline.interiors) == 0
-        assert each.lost == 0.0
-        assert each.filled == pytest.approx(each.area - each.section.area)
+    for slice_ in stack.slices:
+        assert len(slice_.outline.interiors) == 0
+        assert slice_.lost == 0.0
+        assert slice_.filled == pytest.approx(slice_.area - slice_.section.area)
     height = 10.0 * stack.scale
     outer = [30.0 * stack.scale + math.sqrt(height**2 - (20.0 - 10.0 * k) ** 2) for k in range(5)]
-    assert [each.area for each in stack.slices] == pytest.approx([disc_area(radius) for radius in outer], rel=2e-2)
+    assert [slice_.area for slice_ in stack.slices] == pytest.approx([disc_area(radius) for radius in outer], rel=2e-2)
     assert stack.iou < 0.7
 
 
@@ -125,8 +125,8 @@ def test_the_file_s_scale_does_not_matter(factor: float) -> None:
     scaled = cut(Model("blob", blob().solid.scale((factor,) * 3).translate((5.0, 6.0, 7.0))), how)
     assert scaled.along == plain.along
     assert scaled.scale * factor == pytest.approx(plain.scale)
-    for one, two in zip(plain.slices, scaled.slices, strict=True):
-        assert shapely.symmetric_difference(one.outline, two.outline).area < 1e-6 * one.area
+    for first, second in zip(plain.slices, scaled.slices, strict=True):
+        assert shapely.symmetric_difference(first.outline, second.outline).area < 1e-6 * first.area
 
 
 @settings(max_examples=10)
@@ -134,7 +134,7 @@ def test_the_file_s_scale_does_not_matter(factor: float) -> None:
 def test_a_turn_about_the_axis_turns_the_slices(angle: float) -> None:
     plain = cut(blob(), Cut(4, 12.0, along="z"))
     turned = cut(Model("blob", blob().solid.rotate((0.0, 0.0, angle))), Cut(4, 12.0, along="z"))
-    assert [each.area for each in turned.slices] == pytest.approx([each.area for each in plain.slices])
+    assert [slice_.area for slice_ in turned.slices] == pytest.approx([slice_.area for slice_ in plain.slices])
     assert turned.iou == pytest.approx(plain.iou)
 
 
@@ -144,8 +144,8 @@ def test_axes_are_alike() -> None:
     for along, matrix in (("x", [[0, 0, 1], [1, 0, 0], [0, 1, 0]]), ("y", [[0, 1, 0], [0, 0, 1], [1, 0, 0]])):
         solid = blob().solid.transform(np.column_stack([np.array(matrix, dtype=np.float64), np.zeros(3)]))
         turned = cut(Model("blob", solid), Cut(4, 12.0, along=along))  # type: ignore[arg-type]
-        for one, two in zip(plain.slices, turned.slices, strict=True):
-            assert shapely.symmetric_difference(one.outline, two.outline).area < 1e-6 * one.area
+        for first, second in zip(plain.slices, turned.slices, strict=True):
+            assert shapely.symmetric_difference(first.outline, second.outline).area < 1e-6 * first.area
 
 
 @pytest.mark.parametrize("along", get_args(Axis))
@@ -163,12 +163,12 @@ def test_slices_fill_the_object_s_box_and_stand_up_as_in_the_file(along: Axis) -
     stack = cut(model, Cut(5, 8.0, along=along))
     assert stack.solid.bounding_box()[:3] == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
     assert stack.solid.bounding_box()[5] == pytest.approx(stack.height)
-    assert [each.low for each in stack.slices[1:]] == [each.high for each in stack.slices[:-1]]
+    assert [slice_.low for slice_ in stack.slices[1:]] == [slice_.high for slice_ in stack.slices[:-1]]
     mesh = stack.solid.to_mesh64().vert_properties[:, :3]
     size = stack.upright(np.asarray(mesh)).max(axis=0)
     assert size == pytest.approx(np.array(model.size) * stack.scale)
-    for each in stack.slices:
-        assert section(stack.solid, 0.5 * (each.low + each.high)).area == pytest.approx(each.section.area)
+    for slice_ in stack.slices:
+        assert section(stack.solid, 0.5 * (slice_.low + slice_.high)).area == pytest.approx(slice_.section.area)
 
 
 @settings(max_examples=20)
@@ -184,7 +184,7 @@ def test_two_of_count_thickness_and_size_tell_the_third(count: int, layers: int)
 
 
 @pytest.mark.parametrize(
-    ("numbers", "said"),
+    ("numbers", "message"),
     [
         ((0, 20.0, None), "count is 0"),
         ((3, -1.0, None), "thickness is -1 mm"),
@@ -195,8 +195,8 @@ def test_two_of_count_thickness_and_size_tell_the_third(count: int, layers: int)
         ((1000, 20.0, None), "more than 200"),
     ],
 )
-def test_impossible_sizes_are_refused(numbers: tuple[int | None, float | None, float | None], said: str) -> None:
-    with pytest.raises(ModelError, match=said):
+def test_impossible_sizes_are_refused(numbers: tuple[int | None, float | None, float | None], message: str) -> None:
+    with pytest.raises(ModelError, match=message):
         Cut(*numbers)
 
 
@@ -212,7 +212,7 @@ def test_a_slice_without_area_is_refused_and_another_way_is_found() -> None:
         cut(model, Cut(3, 20.0, along="z"))
     stack = cut(model, Cut(3, 20.0))
     assert stack.along == "x"
-    assert all(each.lost == pytest.approx(each.area) for each in stack.slices)
+    assert all(slice_.lost == pytest.approx(slice_.area) for slice_ in stack.slices)
 
 
 COSTS = arrays(np.float64, st.tuples(st.integers(1, 4), st.integers(1, 4)), elements=st.floats(0.0, 1.0)).flatmap(
@@ -224,10 +224,10 @@ COSTS = arrays(np.float64, st.tuples(st.integers(1, 4), st.integers(1, 4)), elem
 @given(COSTS)
 def test_the_assignment_is_that_of_trying_all(costs: FloatArray) -> None:
     rows, columns = costs.shape
-    found = assign(costs, distinct=True)
-    taken = found[found >= 0]
+    assigned = assign(costs, distinct=True)
+    taken = assigned[assigned >= 0]
     assert len(set(taken.tolist())) == len(taken)
-    cost = costs[np.flatnonzero(found >= 0), taken]
+    cost = costs[np.flatnonzero(assigned >= 0), taken]
     assert np.isfinite(cost).all()
     # Columns from `columns` on stand for none.
     ways = []

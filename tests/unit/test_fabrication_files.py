@@ -15,44 +15,45 @@ from riot.cli.main import main
 from riot.fabricate import Design, FabricationError, FabricationParameters, design
 from riot.fabricate.certificate import FabricationCertificate, certify
 from riot.fabricate.export.solids import stl_bytes, write_puzzle
-from riot.fabricate.plates import SPACE_MM, lay_out
+from riot.fabricate.plates import lay_out
 from riot.fabricate.solid import Part, make_parts
+from riot.fabricate.tuning import BED_SPACE_MM
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.transform.riot_file import save
 
-Made = tuple[Design, tuple[Part, ...], FabricationCertificate]
+Puzzle = tuple[Design, tuple[Part, ...], FabricationCertificate]
 
 
-def made_of(n: int, seed: int, parameters: FabricationParameters) -> Made:
-    made = design(exact_transform(dudeney() if n == 0 else exact_pair(n, seed)), parameters)
-    parts = make_parts(made)
-    return made, parts, certify(made, parts)
+def made_of(n: int, seed: int, parameters: FabricationParameters) -> Puzzle:
+    puzzle = design(exact_transform(dudeney() if n == 0 else exact_pair(n, seed)), parameters)
+    parts = make_parts(puzzle)
+    return puzzle, parts, certify(puzzle, parts)
 
 
 @pytest.fixture(scope="module")
-def made() -> Made:
+def puzzle() -> Puzzle:
     return made_of(0, 0, FabricationParameters())
 
 
 @pytest.fixture(scope="module")
-def folder(made: Made, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    found = tmp_path_factory.mktemp("print") / "puzzle"
-    write_puzzle(*made, found)
-    return found
+def folder(puzzle: Puzzle, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("print") / "puzzle"
+    write_puzzle(*puzzle, path)
+    return path
 
 
-def test_every_stl_reads_back_as_the_same_closed_solid(made: Made, folder: Path) -> None:
-    for part in made[1]:
-        mesh = trimesh.load_mesh(folder / f"{part.name}.stl")
+def test_every_stl_reads_back_as_the_same_closed_solid(puzzle: Puzzle, folder: Path) -> None:
+    for solid_part in puzzle[1]:
+        mesh = trimesh.load_mesh(folder / f"{solid_part.name}.stl")
         assert mesh.is_watertight and mesh.is_winding_consistent
-        assert mesh.volume == pytest.approx(part.volume, rel=1e-6)
-        assert mesh.extents == pytest.approx(part.size, abs=1e-5)
-        assert mesh.euler_number == 2 - 2 * part.solid.genus()
+        assert mesh.volume == pytest.approx(solid_part.volume, rel=1e-6)
+        assert mesh.extents == pytest.approx(solid_part.size, abs=1e-5)
+        assert mesh.euler_number == 2 - 2 * solid_part.solid.genus()
 
 
-def test_a_plate_reads_back_with_all_parts_named_apart_and_on_the_bed(made: Made, folder: Path) -> None:
+def test_a_plate_reads_back_with_all_parts_named_apart_and_on_the_bed(puzzle: Puzzle, folder: Path) -> None:
     scene = trimesh.load_scene(folder / "plate-1.3mf")
-    parts = {part.name: part for part in made[1]}
+    parts = {solid_part.name: solid_part for solid_part in puzzle[1]}
     assert set(scene.geometry) == set(parts)
     for name, mesh in scene.geometry.items():
         assert mesh.is_watertight
@@ -62,18 +63,18 @@ def test_a_plate_reads_back_with_all_parts_named_apart_and_on_the_bed(made: Made
         transform, name = scene.graph[node]
         assert np.linalg.det(transform[:3, :3]) == pytest.approx(1.0)
         boxes.append(trimesh.bounds.corners(scene.geometry[name].bounds) @ transform[:3, :3].T + transform[:3, 3])
-    assert len(boxes) == sum(part.count for part in made[1])
+    assert len(boxes) == sum(solid_part.count for solid_part in puzzle[1])
     ends = [(box.min(axis=0), box.max(axis=0)) for box in boxes]
     for k, (low, high) in enumerate(ends):
         assert low[2] == pytest.approx(0.0, abs=1e-6)
-        assert min(low[:2]) >= SPACE_MM - 1e-4
-        assert max(high[:2]) <= 220.0 - SPACE_MM + 1e-4
+        assert min(low[:2]) >= BED_SPACE_MM - 1e-4
+        assert max(high[:2]) <= 220.0 - BED_SPACE_MM + 1e-4
         for other_low, other_high in ends[:k]:
             gaps = np.maximum(low - other_high, other_low - high)[:2]
-            assert gaps.max() >= SPACE_MM - 1e-4
+            assert gaps.max() >= BED_SPACE_MM - 1e-4
 
 
-def test_files_are_the_same_bytes_every_time(made: Made, folder: Path, tmp_path: Path) -> None:
+def test_files_are_the_same_bytes_every_time(puzzle: Puzzle, folder: Path, tmp_path: Path) -> None:
     again = made_of(0, 0, FabricationParameters())
     written = write_puzzle(*again, tmp_path / "again")
     assert [path.name for path in written] == sorted(path.name for path in folder.iterdir())
@@ -81,24 +82,24 @@ def test_files_are_the_same_bytes_every_time(made: Made, folder: Path, tmp_path:
         assert path.read_bytes() == (folder / path.name).read_bytes()
 
 
-def test_the_list_of_parts_adds_up(made: Made, folder: Path) -> None:
+def test_the_list_of_parts_adds_up(puzzle: Puzzle, folder: Path) -> None:
     document = json.loads((folder / "parts.json").read_text(encoding="utf-8"))
     listed = {entry["name"]: entry for entry in document["parts"]}
-    for part in made[1]:
-        entry = listed[part.name]
-        assert entry["count"] == part.count
-        assert entry["volume_mm3"] == pytest.approx(part.volume, rel=1e-9)
+    for solid_part in puzzle[1]:
+        entry = listed[solid_part.name]
+        assert entry["count"] == solid_part.count
+        assert entry["volume_mm3"] == pytest.approx(solid_part.volume, rel=1e-9)
         assert (folder / entry["file"]).exists()
     laid = [name for plate in document["plates"] for name in plate["parts"]]
-    assert {name: laid.count(name) for name in laid} == {part.name: part.count for part in made[1]}
+    assert {name: laid.count(name) for name in laid} == {solid_part.name: solid_part.count for solid_part in puzzle[1]}
     assert document["pins"] == [{"diameter": 3.0, "length": 9.0, "count": 3}]
     assert document["parameters"]["size_mm"] == 120.0
     assert document["certificate"]["passed"] is True
     assert len([hinge for hinge in document["hinges"] if hinge["kind"] == "pin"]) == 3
 
 
-def test_an_stl_has_unit_normals_that_point_outwards(made: Made) -> None:
-    data = stl_bytes(made[1][0])
+def test_an_stl_has_unit_normals_that_point_outwards(puzzle: Puzzle) -> None:
+    data = stl_bytes(puzzle[1][0])
     (count,) = struct.unpack("<I", data[80:84])
     record = np.frombuffer(data[84:], dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     assert len(record) == count
@@ -109,20 +110,20 @@ def test_an_stl_has_unit_normals_that_point_outwards(made: Made) -> None:
 
 
 def test_a_small_bed_takes_several_plates_and_a_smaller_one_is_refused() -> None:
-    made = design(exact_transform(exact_pair(4, 3)), FabricationParameters(bed_width_mm=100.0, bed_depth_mm=100.0))
-    parts = make_parts(made)
-    plates = lay_out(parts, made.parameters)
+    puzzle = design(exact_transform(exact_pair(4, 3)), FabricationParameters(bed_width_mm=100.0, bed_depth_mm=100.0))
+    parts = make_parts(puzzle)
+    plates = lay_out(parts, puzzle.parameters)
     assert len(plates) > 1
-    assert sorted(item.part for plate in plates for item in plate) == sorted(
-        name for part in parts for name in [part.name] * part.count
+    assert sorted(item.name for plate in plates for item in plate) == sorted(
+        name for solid_part in parts for name in [solid_part.name] * solid_part.count
     )
-    large = design(made.transform, replace(made.parameters, size_mm=400.0))
+    large = design(puzzle.transform, replace(puzzle.parameters, size_mm=400.0))
     with pytest.raises(FabricationError, match=r"piece-\d is \d+ × \d+ mm, the bed 100 × 100 mm: lessen size_mm"):
         lay_out(make_parts(large), large.parameters)
 
 
-def test_nothing_is_written_if_anything_fails(made: Made, tmp_path: Path) -> None:
-    drawn, parts, certificate = made
+def test_nothing_is_written_if_anything_fails(puzzle: Puzzle, tmp_path: Path) -> None:
+    drawn, parts, certificate = puzzle
 
     def fails(folder: Path) -> None:
         assert (folder / "parts.json").exists()
@@ -137,10 +138,10 @@ def test_nothing_is_written_if_anything_fails(made: Made, tmp_path: Path) -> Non
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_with_something_in_it_is_left_alone(made: Made, tmp_path: Path) -> None:
+def test_a_folder_with_something_in_it_is_left_alone(puzzle: Puzzle, tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(FileExistsError, match="not an empty folder"):
-        write_puzzle(*made, tmp_path)
+        write_puzzle(*puzzle, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
@@ -162,8 +163,8 @@ class TestPrint:
     ) -> None:
         out = tmp_path / "out"
         assert main(["print", str(saved), "-o", str(out), "--size", "90", "--pin", "1.75", "--wall", "1.2"]) == 0
-        said = capsys.readouterr().out
-        assert "certificate: passed" in said and "proven at every moment" in said and "piece-4" in said
+        output = capsys.readouterr().out
+        assert "certificate: passed" in output and "proven at every moment" in output and "piece-4" in output
         assert {path.name for path in out.iterdir()} >= {"piece-1.stl", "pin.stl", "plate-1.3mf", "parts.json"}
         parameters = json.loads((out / "parts.json").read_text(encoding="utf-8"))["parameters"]
         assert (parameters["size_mm"], parameters["pin_mm"], parameters["wall_mm"]) == (90.0, 1.75, 1.2)

@@ -25,7 +25,7 @@ SPACE = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
-def made() -> Design:
+def puzzle_design() -> Design:
     return design(exact_transform(exact_pair(4, 3)), FabricationParameters(size_mm=150.0))
 
 
@@ -35,15 +35,15 @@ def area(points: FloatArray) -> float:
 
 def svg_rings(path: Path) -> dict[str, list[tuple[str, FloatArray]]]:
     """Rings by group, in mm."""
-    found: dict[str, list[tuple[str, FloatArray]]] = {}
+    rings_read: dict[str, list[tuple[str, FloatArray]]] = {}
     for group in ElementTree.parse(path).getroot().iter(f"{SPACE}g"):
-        rings = found.setdefault(group.attrib["id"], [])
+        rings = rings_read.setdefault(group.attrib["id"], [])
         for element in group:
             data = element.attrib["d"]
             assert data.count("M") == 1
             assert data.endswith("Z")
             rings.append((element.attrib["id"], np.array(re.findall(r"-?[\d.]+", data), dtype=float).reshape(-1, 2)))
-    return found
+    return rings_read
 
 
 def dxf_rings(path: Path) -> list[tuple[str, FloatArray]]:
@@ -53,22 +53,22 @@ def dxf_rings(path: Path) -> list[tuple[str, FloatArray]]:
     assert not drawing.audit().errors
     low, high = drawing.header["$EXTMIN"], drawing.header["$EXTMAX"]
     assert 0.0 <= low[0] < high[0] < 1e4
-    found = []
+    rings_read = []
     for entity in drawing.modelspace():
         assert entity.dxftype() == "LWPOLYLINE"
         assert entity.closed
-        found.append((entity.dxf.layer, np.array(entity.get_points("xy"))))
-    return found
+        rings_read.append((entity.dxf.layer, np.array(entity.get_points("xy"))))
+    return rings_read
 
 
 @pytest.mark.parametrize("kerf", [False, True])
 @pytest.mark.parametrize("kind", KINDS)
-def test_areas_are_read_back(made: Design, tmp_path: Path, kind: Kind, kerf: bool) -> None:
-    parts = parts_of(made, kind, made.parameters.kerf_mm if kerf else 0.0)
-    outlines = [area(np.array(part.region.exterior.coords)) for part in parts]
-    holes = [area(np.array(ring.coords)) for part in parts for ring in part.region.interiors]
-    write_flat(made, tmp_path / "cut.svg", kind, kerf=kerf)
-    write_flat(made, tmp_path / "cut.dxf", kind, kerf=kerf)
+def test_areas_are_read_back(puzzle_design: Design, tmp_path: Path, kind: Kind, kerf: bool) -> None:
+    flat_parts = parts_of(puzzle_design, kind, puzzle_design.parameters.kerf_mm if kerf else 0.0)
+    outlines = [area(np.array(flat_part.region.exterior.coords)) for flat_part in flat_parts]
+    holes = [area(np.array(ring.coords)) for flat_part in flat_parts for ring in flat_part.region.interiors]
+    write_flat(puzzle_design, tmp_path / "cut.svg", kind, kerf=kerf)
+    write_flat(puzzle_design, tmp_path / "cut.dxf", kind, kerf=kerf)
     groups = svg_rings(tmp_path / "cut.svg")
     assert [area(ring) for _, ring in groups["outlines"]] == pytest.approx(outlines, rel=1e-6)
     assert [area(ring) for _, ring in groups.get("holes", [])] == pytest.approx(holes, rel=1e-6)
@@ -77,17 +77,17 @@ def test_areas_are_read_back(made: Design, tmp_path: Path, kind: Kind, kerf: boo
     assert [layer for layer, _ in drawn] == ["HOLES"] * len(holes) + ["OUTLINES"] * len(outlines)
 
 
-def test_outlines_are_the_pieces_at_true_size(made: Design, tmp_path: Path) -> None:
-    write_flat(made, tmp_path / "cut.svg")
+def test_outlines_are_the_pieces_at_true_size(puzzle_design: Design, tmp_path: Path) -> None:
+    write_flat(puzzle_design, tmp_path / "cut.svg")
     rings = svg_rings(tmp_path / "cut.svg")["outlines"]
-    assert [name for name, _ in rings] == [piece.name for piece in made.pieces]
-    for (_, ring), piece in zip(rings, made.pieces, strict=True):
+    assert [name for name, _ in rings] == [piece.name for piece in puzzle_design.pieces]
+    for (_, ring), piece in zip(rings, puzzle_design.pieces, strict=True):
         # Moved, and y turned over, no more: the same lengths one after another.
         assert np.diff(ring, axis=0) == pytest.approx(np.diff(piece.outline, axis=0) * [1.0, -1.0], abs=2e-6)
 
 
-def test_sizes_are_in_millimetres(made: Design, tmp_path: Path) -> None:
-    write_flat(made, tmp_path / "cut.svg")
+def test_sizes_are_in_millimetres(puzzle_design: Design, tmp_path: Path) -> None:
+    write_flat(puzzle_design, tmp_path / "cut.svg")
     root = ElementTree.parse(tmp_path / "cut.svg").getroot()
     assert root.attrib["width"].endswith("mm")
     size = (float(root.attrib["width"][:-2]), float(root.attrib["height"][:-2]))
@@ -97,11 +97,11 @@ def test_sizes_are_in_millimetres(made: Design, tmp_path: Path) -> None:
         element for element in SVG.parse(tmp_path / "cut.svg", ppi=25.4).elements() if isinstance(element, SvgPath)
     ]
     seen = sum(area(np.array([(step.end.x, step.end.y) for step in path][1:])) for path in paths)
-    assert seen == pytest.approx(sum(area(piece.outline) for piece in made.pieces), rel=1e-5)
+    assert seen == pytest.approx(sum(area(piece.outline) for piece in puzzle_design.pieces), rel=1e-5)
 
 
-def test_lines_are_hair_thin_and_nothing_is_filled(made: Design, tmp_path: Path) -> None:
-    write_flat(made, tmp_path / "cut.svg", "layers")
+def test_lines_are_hair_thin_and_nothing_is_filled(puzzle_design: Design, tmp_path: Path) -> None:
+    write_flat(puzzle_design, tmp_path / "cut.svg", "layers")
     root = ElementTree.parse(tmp_path / "cut.svg").getroot()
     groups = list(root.iter(f"{SPACE}g"))
     assert [group.attrib["id"] for group in groups] == ["holes", "outlines"]
@@ -110,8 +110,8 @@ def test_lines_are_hair_thin_and_nothing_is_filled(made: Design, tmp_path: Path)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_parts_are_apart(made: Design, kind: Kind) -> None:
-    regions = [part.region for part in parts_of(made, kind, 0.5)]
+def test_parts_are_apart(puzzle_design: Design, kind: Kind) -> None:
+    regions = [flat_part.region for flat_part in parts_of(puzzle_design, kind, 0.5)]
     for i, region in enumerate(regions):
         assert region.is_valid
         for other in regions[:i]:
@@ -119,9 +119,9 @@ def test_parts_are_apart(made: Design, kind: Kind) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_the_beam_leaves_is_nominal(made: Design, kind: Kind) -> None:
+def test_what_the_beam_leaves_is_nominal(puzzle_design: Design, kind: Kind) -> None:
     kerf = 0.3
-    for nominal, path in zip(parts_of(made, kind), parts_of(made, kind, kerf), strict=True):
+    for nominal, path in zip(parts_of(puzzle_design, kind), parts_of(puzzle_design, kind, kerf), strict=True):
         left = path.region.buffer(-0.5 * kerf, quad_segs=64)
         # Only concave corners keep a fillet of half the kerf.
         assert left.area == pytest.approx(nominal.region.area, rel=1e-3)
@@ -131,21 +131,26 @@ def test_what_the_beam_leaves_is_nominal(made: Design, kind: Kind) -> None:
             assert area(np.array(narrow.coords)) < area(np.array(hole.coords))
 
 
-def test_layers_have_the_knuckles_holes(made: Design) -> None:
-    parts = {part.name: part for part in parts_of(made, "layers")}
-    pins = sum(pin.count for pin in made.pins)
-    for layer, wanted in (("bottom", pins), ("middle", pins), ("top", pins)):
-        holes = [ring for name, part in parts.items() if name.endswith(layer) for ring in part.region.interiors]
-        assert len(holes) == wanted
+def test_layers_have_the_knuckles_holes(puzzle_design: Design) -> None:
+    flat_parts = {flat_part.name: flat_part for flat_part in parts_of(puzzle_design, "layers")}
+    pins = sum(pin.count for pin in puzzle_design.pins)
+    for layer, expected in (("bottom", pins), ("middle", pins), ("top", pins)):
+        holes = [
+            ring
+            for name, flat_part in flat_parts.items()
+            if name.endswith(layer)
+            for ring in flat_part.region.interiors
+        ]
+        assert len(holes) == expected
         widths = [np.ptp(np.array(ring.coords)[:, 0]) for ring in holes]
-        more = made.parameters.clearance_mm if layer == "middle" else made.parameters.play_mm
-        assert widths == pytest.approx([made.parameters.pin_mm + 2.0 * more] * wanted, rel=0.01)
+        more = puzzle_design.parameters.clearance_mm if layer == "middle" else puzzle_design.parameters.play_mm
+        assert widths == pytest.approx([puzzle_design.parameters.pin_mm + 2.0 * more] * expected, rel=0.01)
 
 
-def test_layers_of_telescopic_hinges_are_refused(made: Design, tmp_path: Path) -> None:
+def test_layers_of_telescopic_hinges_are_refused(puzzle_design: Design, tmp_path: Path) -> None:
     from riot.fabricate.telescope import make_telescope
 
-    lifting = replace(made, telescope=make_telescope(FabricationParameters(thickness_mm=15.0)))
+    lifting = replace(puzzle_design, telescope=make_telescope(FabricationParameters(thickness_mm=15.0)))
     with pytest.raises(FabricationError, match="stacked"):
         write_flat(lifting, tmp_path / "cut.svg", "layers")
     written = write_flat_files(lifting, tmp_path)
@@ -157,28 +162,31 @@ def test_layers_of_telescopic_hinges_are_refused(made: Design, tmp_path: Path) -
     ]
 
 
-def test_files_are_deterministic(made: Design, tmp_path: Path) -> None:
+def test_files_are_deterministic(puzzle_design: Design, tmp_path: Path) -> None:
     for folder in ("first", "second"):
         (tmp_path / folder).mkdir()
-    first, second = write_flat_files(made, tmp_path / "first"), write_flat_files(made, tmp_path / "second")
+    first, second = (
+        write_flat_files(puzzle_design, tmp_path / "first"),
+        write_flat_files(puzzle_design, tmp_path / "second"),
+    )
     assert len(first) == 8
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
 
 
-def test_other_formats_are_refused(made: Design, tmp_path: Path) -> None:
+def test_other_formats_are_refused(puzzle_design: Design, tmp_path: Path) -> None:
     with pytest.raises(FlatFormatError, match=r"\.svg or \.dxf"):
-        write_flat(made, tmp_path / "cut.pdf")
+        write_flat(puzzle_design, tmp_path / "cut.pdf")
     assert not list(tmp_path.iterdir())
 
 
-def test_dxf_without_its_package(made: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dxf_without_its_package(puzzle_design: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(name: str) -> None:
         raise ModuleNotFoundError(name)
 
     monkeypatch.setattr(flat_module.importlib, "import_module", missing)
     with pytest.raises(DxfError, match=r"riot-shapes\[print\]"):
-        write_flat(made, tmp_path / "cut.dxf")
-    write_flat(made, tmp_path / "cut.svg")
+        write_flat(puzzle_design, tmp_path / "cut.dxf")
+    write_flat(puzzle_design, tmp_path / "cut.svg")
 
 
 def test_shelves_keep_boxes_apart_and_on_their_pages() -> None:

@@ -28,9 +28,9 @@ def cup() -> Mesh:
 
 
 def saved(mesh: Mesh, path: Path, units: str | None = None) -> Path:
-    made = trimesh.Trimesh(*mesh, process=False)
-    made.units = units
-    made.export(path)
+    mesh_file = trimesh.Trimesh(*mesh, process=False)
+    mesh_file.units = units
+    mesh_file.export(path)
     return path
 
 
@@ -40,15 +40,15 @@ def volume(mesh: Mesh) -> float:
 
 @pytest.mark.parametrize("suffix", [".stl", ".3mf", ".obj", ".STL"])
 def test_every_format_reads_back_as_the_same_solid(cup: Mesh, suffix: str, tmp_path: Path) -> None:
-    found = read_model(saved(cup, tmp_path / f"cup{suffix}"))
-    assert found.name == "cup"
-    assert found.size == pytest.approx((40.0, 30.0, 50.0), abs=1e-5)
-    assert found.solid.volume() == pytest.approx(volume(cup), rel=1e-6)
+    model_read = read_model(saved(cup, tmp_path / f"cup{suffix}"))
+    assert model_read.name == "cup"
+    assert model_read.size == pytest.approx((40.0, 30.0, 50.0), abs=1e-5)
+    assert model_read.solid.volume() == pytest.approx(volume(cup), rel=1e-6)
 
 
 def test_what_is_inside_out_is_turned(cup: Mesh, tmp_path: Path) -> None:
-    found = read_model(saved((cup[0], cup[1][:, ::-1]), tmp_path / "cup.stl"))
-    assert found.solid.volume() == pytest.approx(volume(cup), rel=1e-6)
+    model_read = read_model(saved((cup[0], cup[1][:, ::-1]), tmp_path / "cup.stl"))
+    assert model_read.solid.volume() == pytest.approx(volume(cup), rel=1e-6)
 
 
 def test_an_inch_is_an_inch(cup: Mesh, tmp_path: Path) -> None:
@@ -66,9 +66,9 @@ def test_closed_parts_are_one_solid(cup: Mesh, tmp_path: Path) -> None:
         [trimesh.Trimesh(*cup, process=False), trimesh.Trimesh(cup[0] + [60.0, 0.0, 0.0], cup[1], process=False)]
     )
     both.export(tmp_path / "two.stl")
-    found = read_model(tmp_path / "two.stl")
-    assert found.size[0] == pytest.approx(100.0)
-    assert found.solid.volume() == pytest.approx(2.0 * volume(cup), rel=1e-6)
+    model_read = read_model(tmp_path / "two.stl")
+    assert model_read.size[0] == pytest.approx(100.0)
+    assert model_read.solid.volume() == pytest.approx(2.0 * volume(cup), rel=1e-6)
 
 
 def test_a_surface_with_a_hole_in_it_is_refused(cup: Mesh, tmp_path: Path) -> None:

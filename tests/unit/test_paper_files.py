@@ -28,7 +28,7 @@ from riot.fabricate.export.sheets import face, face_pixels, sheet_scenes, write_
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.types import FloatArray
 
-SIDES: tuple[Side, Side] = ("p", "q")
+SHAPE_SIDES: tuple[Side, Side] = ("p", "q")
 RED = (255, 0, 0)
 
 
@@ -48,7 +48,7 @@ class Red:
 
 
 @pytest.fixture(scope="module")
-def made() -> Design:
+def puzzle_design() -> Design:
     return design(exact_transform(exact_pair(4, 3)), FabricationParameters(size_mm=150.0))
 
 
@@ -71,30 +71,32 @@ def test_frames_lead_there_and_back(mirror: float | None) -> None:
     assert (shapely.LinearRing(placed[:3]).is_ccw == triangle.is_ccw) == (mirror is None)
 
 
-@pytest.mark.parametrize("side", SIDES)
-def test_sheets_are_at_true_size(made: Design, side: Side) -> None:
-    pages = sheet_scenes(made, PlainTexture(4), side, 40.0)
-    faces = [face(made, i, side) for i in range(len(made.pieces))]
-    found = cuts(pages)
-    assert sorted(cut.area for cut in found) == pytest.approx(sorted(part.area for part in faces), rel=1e-9)
+@pytest.mark.parametrize("side", SHAPE_SIDES)
+def test_sheets_are_at_true_size(puzzle_design: Design, side: Side) -> None:
+    pages = sheet_scenes(puzzle_design, PlainTexture(4), side, 40.0)
+    faces = [face(puzzle_design, i, side) for i in range(len(puzzle_design.pieces))]
+    cut_regions = cuts(pages)
+    assert sorted(cut.area for cut in cut_regions) == pytest.approx(
+        sorted(face_region.area for face_region in faces), rel=1e-9
+    )
     page = shapely.box(*pages[0].box)
-    for k, cut in enumerate(found):
+    for k, cut in enumerate(cut_regions):
         assert page.buffer(-10.0).contains(cut)
-        assert all(cut.distance(other) > 4.0 for other in found[:k])
+        assert all(cut.distance(other) > 4.0 for other in cut_regions[:k])
 
 
-def test_faces_leave_the_hinges_free(made: Design) -> None:
-    for i, piece in enumerate(made.pieces):
+def test_faces_leave_the_hinges_free(puzzle_design: Design) -> None:
+    for i, piece in enumerate(puzzle_design.pieces):
         outline = shapely.Polygon(piece.outline)
-        for side in SIDES:
-            part = face(made, i, side)
-            assert part.difference(outline).area < 1e-9
-            assert 0.7 * outline.area < part.area <= outline.area
+        for side in SHAPE_SIDES:
+            face_region = face(puzzle_design, i, side)
+            assert face_region.difference(outline).area < 1e-9
+            assert 0.7 * outline.area < face_region.area <= outline.area
 
 
-def test_pdf_pages_are_paper(made: Design, tmp_path: Path) -> None:
-    write_sheets(made, tmp_path / "sheet.pdf", PlainTexture(4), "p", 40.0)
-    write_page(made, tmp_path / "page.pdf")
+def test_pdf_pages_are_paper(puzzle_design: Design, tmp_path: Path) -> None:
+    write_sheets(puzzle_design, tmp_path / "sheet.pdf", PlainTexture(4), "p", 40.0)
+    write_page(puzzle_design, tmp_path / "page.pdf")
     for name in ("sheet.pdf", "page.pdf"):
         data = (tmp_path / name).read_bytes()
         boxes = [[float(x) for x in box.split()] for box in re.findall(rb"/MediaBox \[([^\]]+)\]", data)]
@@ -103,50 +105,52 @@ def test_pdf_pages_are_paper(made: Design, tmp_path: Path) -> None:
         assert b"Date" not in data
 
 
-def test_back_is_the_mirrored_front(made: Design) -> None:
-    front = [cut.centroid.x for cut in cuts(sheet_scenes(made, PlainTexture(4), "p", 40.0))]
-    back = [cut.centroid.x for cut in cuts(sheet_scenes(made, PlainTexture(4), "q", 40.0))]
+def test_back_is_the_mirrored_front(puzzle_design: Design) -> None:
+    front = [cut.centroid.x for cut in cuts(sheet_scenes(puzzle_design, PlainTexture(4), "p", 40.0))]
+    back = [cut.centroid.x for cut in cuts(sheet_scenes(puzzle_design, PlainTexture(4), "q", 40.0))]
     # The two faces of a piece differ by its hinges alone.
     assert [210.0 - x for x in back] == pytest.approx(front, abs=1.5)
 
 
-@pytest.mark.parametrize("side", SIDES)
-def test_colours_are_where_the_pieces_have_them(made: Design, side: Side) -> None:
+@pytest.mark.parametrize("side", SHAPE_SIDES)
+def test_colours_are_where_the_pieces_have_them(puzzle_design: Design, side: Side) -> None:
     mirror = 210.0 if side == "q" else None
-    frame, region = Frame(0.5, 90.0, 70.0, mirror), face(made, 2, side)
+    frame, region = Frame(0.5, 90.0, 70.0, mirror), face(puzzle_design, 2, side)
     on_paper = frame.region(region)
-    pixels, (x0, _, _, y1) = face_pixels(made, Places(), side, 2, frame, on_paper, 0.5)
-    pose = made.transform.pose(0.0 if side == "p" else 1.0)
+    pixels, (x0, _, _, y1) = face_pixels(puzzle_design, Places(), side, 2, frame, on_paper, 0.5)
+    pose = puzzle_design.transform.pose(0.0 if side == "p" else 1.0)
     for point in (region.representative_point().coords[0], shapely.maximum_inscribed_circle(region).coords[0]):
         c, s = math.cos(0.5), math.sin(0.5)
         x, y = 90.0 + c * point[0] - s * point[1], 70.0 + s * point[0] + c * point[1]
         x = x if mirror is None else mirror - x
         seen = pixels[int((y1 - y) / 0.5), int((x - x0) / 0.5)]
-        (place,) = pose.place(2, np.array([point]) / made.scale)
-        assert seen[:2].astype(float) == pytest.approx(128.0 + 60.0 * place, abs=1.5)
+        (position,) = pose.place(2, np.array([point]) / puzzle_design.scale)
+        assert seen[:2].astype(float) == pytest.approx(128.0 + 60.0 * position, abs=1.5)
         assert seen[2] == 2
 
 
-def test_large_pieces_get_large_paper(made: Design) -> None:
+def test_large_pieces_get_large_paper(puzzle_design: Design) -> None:
     large = replace(
-        made, pieces=tuple(replace(piece, outline=3.0 * piece.outline) for piece in made.pieces), scale=3.0 * made.scale
+        puzzle_design,
+        pieces=tuple(replace(piece, outline=3.0 * piece.outline) for piece in puzzle_design.pieces),
+        scale=3.0 * puzzle_design.scale,
     )
     page = sheet_scenes(large, PlainTexture(4), "p", 10.0)[0]
     assert page.box[2] > 210.0
 
 
-def test_assembly_page_tells_all(made: Design) -> None:
-    pages = page_scenes(replace(made, warnings=("the moon is made of cheese",) * 60))
+def test_assembly_page_tells_all(puzzle_design: Design) -> None:
+    pages = page_scenes(replace(puzzle_design, warnings=("the moon is made of cheese",) * 60))
     seen = [[mark.text for mark in page.marks if isinstance(mark, Label)] for page in pages]
     words = [line for page in seen for line in page]
     assert len(seen) >= 3  # many warnings go on, on a further page
     assert sum("the moon is made of cheese" in line for line in words) == 60
-    for piece in made.pieces:
+    for piece in puzzle_design.pieces:
         assert f"1 × {piece.name}" in words
-    assert f"{made.pins[0].count} × pin" in words
+    assert f"{puzzle_design.pins[0].count} × pin" in words
     assert "P ⇄ Q" in seen[0]
     # Numbers of the pieces: in P, in Q and on the chain.
-    assert all(seen[0].count(str(i + 1)) == 3 for i in range(len(made.pieces)))
+    assert all(seen[0].count(str(i + 1)) == 3 for i in range(len(puzzle_design.pieces)))
     # All of it is on paper.
     for page in pages:
         assert all(10.0 < mark.x < 200.0 and 10.0 < mark.y < 290.0 for mark in page.marks if isinstance(mark, Label))
@@ -156,45 +160,45 @@ def png(path: Path) -> Image.Image:
     return Image.open(io.BytesIO(path.read_bytes())).convert("RGB")
 
 
-@pytest.mark.parametrize("side", SIDES)
-def test_picture_shows_the_faces_at_scale(made: Design, tmp_path: Path, side: Side) -> None:
-    draw_puzzle(made, tmp_path / "whole.png", side, textures={side: Red()})
+@pytest.mark.parametrize("side", SHAPE_SIDES)
+def test_picture_shows_the_faces_at_scale(puzzle_design: Design, tmp_path: Path, side: Side) -> None:
+    draw_puzzle(puzzle_design, tmp_path / "whole.png", side, textures={side: Red()})
     pixels = np.asarray(png(tmp_path / "whole.png"))
     shown = float((pixels == RED).all(axis=2).sum()) * (25.4 / DOTS_PER_INCH) ** 2
-    faces = sum(face(made, i, side).area for i in range(len(made.pieces))) * math.sin(EYE.elevation)
+    faces = sum(face(puzzle_design, i, side).area for i in range(len(puzzle_design.pieces))) * math.sin(EYE.elevation)
     assert 0.93 * faces < shown <= 1.001 * faces  # less what outlines cover
 
 
-def test_picture_taken_apart_is_larger(made: Design, tmp_path: Path) -> None:
-    draw_puzzle(made, tmp_path / "whole.png", "p")
-    draw_puzzle(made, tmp_path / "apart.png", "p", apart=True)
+def test_picture_taken_apart_is_larger(puzzle_design: Design, tmp_path: Path) -> None:
+    draw_puzzle(puzzle_design, tmp_path / "whole.png", "p")
+    draw_puzzle(puzzle_design, tmp_path / "apart.png", "p", apart=True)
     whole, apart = png(tmp_path / "whole.png"), png(tmp_path / "apart.png")
     assert apart.width > whole.width
     assert apart.height > whole.height
 
 
-def test_paper_is_deterministic(made: Design, tmp_path: Path) -> None:
+def test_paper_is_deterministic(puzzle_design: Design, tmp_path: Path) -> None:
     for name in ("first", "second"):
-        write_sheets(made, tmp_path / f"{name}.pdf", Places(), "q", 60.0)
-        write_page(made, tmp_path / f"{name}-page.pdf")
-        draw_puzzle(made, tmp_path / f"{name}.png", "q", apart=True, textures={"q": Places()})
+        write_sheets(puzzle_design, tmp_path / f"{name}.pdf", Places(), "q", 60.0)
+        write_page(puzzle_design, tmp_path / f"{name}-page.pdf")
+        draw_puzzle(puzzle_design, tmp_path / f"{name}.png", "q", apart=True, textures={"q": Places()})
     for suffix in (".pdf", "-page.pdf", ".png"):
         assert (tmp_path / f"first{suffix}").read_bytes() == (tmp_path / f"second{suffix}").read_bytes()
 
 
-def test_other_formats_are_refused(made: Design, tmp_path: Path) -> None:
+def test_other_formats_are_refused(puzzle_design: Design, tmp_path: Path) -> None:
     with pytest.raises(FlatFormatError, match=r"\.pdf"):
-        write_sheets(made, tmp_path / "sheet.svg", PlainTexture(4), "p")
+        write_sheets(puzzle_design, tmp_path / "sheet.svg", PlainTexture(4), "p")
     with pytest.raises(FlatFormatError, match=r"\.pdf"):
-        write_page(made, tmp_path / "page.png")
+        write_page(puzzle_design, tmp_path / "page.png")
     with pytest.raises(PictureFormatError, match=r"\.png"):
-        draw_puzzle(made, tmp_path / "whole.pdf", "p")
+        draw_puzzle(puzzle_design, tmp_path / "whole.pdf", "p")
     assert not list(tmp_path.iterdir())
 
 
-def test_paperwork_is_complete(made: Design, tmp_path: Path) -> None:
-    textures = find_textures(made.transform, {}, pattern="checks")
-    written = write_paperwork(made, tmp_path, textures, dxf=False, dots_per_inch=60.0)
+def test_paperwork_is_complete(puzzle_design: Design, tmp_path: Path) -> None:
+    textures = find_textures(puzzle_design.transform, {}, pattern="checks")
+    written = write_paperwork(puzzle_design, tmp_path, textures, dxf=False, dots_per_inch=60.0)
     assert sorted(written) == sorted(tmp_path.iterdir())
     assert all(path.stat().st_size > 1000 for path in written)
     assert {path.name for path in written} == {
@@ -202,6 +206,6 @@ def test_paperwork_is_complete(made: Design, tmp_path: Path) -> None:
         "texture-front.pdf",
         "texture-back.pdf",
         "assembly.pdf",
-        *(f"{what}-{side}.png" for what in ("puzzle", "apart") for side in SIDES),
+        *(f"{what}-{side}.png" for what in ("puzzle", "apart") for side in SHAPE_SIDES),
     }
-    assert not find_textures(made.transform, {})
+    assert not find_textures(puzzle_design.transform, {})
