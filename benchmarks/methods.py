@@ -128,12 +128,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 parser.error(f"fewer than two pictures under {chosen.root}")
         warm_all(lambda message: print(message, file=sys.stderr))
         plans = (_plans_of_run if chosen.transforms else _plans_of_pictures)(paths, wanted)
-    found = compare(plans)
-    show(found)
+    pairs = compare(plans)
+    show(pairs)
     if chosen.json:
         source_name = "transforms" if chosen.transforms else "folder" if chosen.root else "exact pairs"
-        document = {"format": FORMAT, "source": source_name, "pairs": [asdict(pair) for pair in found]}
-        document["quantiles"] = {way: quantiles(found, way) for way in WAYS}
+        document = {"format": FORMAT, "source": source_name, "pairs": [asdict(pair) for pair in pairs]}
+        document["quantiles"] = {way: quantiles(pairs, way) for way in WAYS}
         chosen.json.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     return 0
 
@@ -148,11 +148,11 @@ def compare(plans: Sequence[ConstructionPlan]) -> list[Compared]:
     return compared
 
 
-def _figures(made: Transform | None, ms: float) -> Figures | None:
-    if made is None:
+def _figures(transform: Transform | None, ms: float) -> Figures | None:
+    if transform is None:
         return None
-    worse = max(residuals(made), key=lambda residual: residual.total)
-    deformation = measure_deformation(made)
+    worse = max(residuals(transform), key=lambda residual: residual.total)
+    deformation = measure_deformation(transform)
     return Figures(
         worse.gaps,
         worse.overlaps,
@@ -160,7 +160,7 @@ def _figures(made: Transform | None, ms: float) -> Figures | None:
         deformation.iou,
         max(deformation.hausdorff_p, deformation.hausdorff_q),
         ms,
-        certify(made).passed,
+        certify(transform).passed,
     )
 
 
@@ -211,9 +211,9 @@ def _first_plan(p: Shape, q: Shape) -> ConstructionPlan | None:
     return None
 
 
-def quantiles(found: Sequence[Compared], way: str) -> dict[str, dict[str, float]]:
+def quantiles(pairs: Sequence[Compared], way: str) -> dict[str, dict[str, float]]:
     """Of each figure, over the pairs that no way has refused; empty if there is none."""
-    common = [pair.ways[way] for pair in found if all(pair.ways.values())]
+    common = [pair.ways[way] for pair in pairs if all(pair.ways.values())]
     if not common:
         return {}
     return {
@@ -225,7 +225,7 @@ def quantiles(found: Sequence[Compared], way: str) -> dict[str, dict[str, float]
     }
 
 
-def show(found: Sequence[Compared], console: Console | None = None) -> None:
+def show(pairs: Sequence[Compared], console: Console | None = None) -> None:
     """Print a line for each pair, and the quantiles."""
     console = console or Console(highlight=False)
     if not console.is_terminal:
@@ -233,7 +233,7 @@ def show(found: Sequence[Compared], console: Console | None = None) -> None:
     pairs = Table("pair", "n", box=box.SIMPLE_HEAD, pad_edge=False)
     for way in WAYS:
         pairs.add_column(way, justify="right", no_wrap=True)
-    for pair in found:
+    for pair in pairs:
         pairs.add_row(f"{pair.p} → {pair.q}", str(pair.n), *(_cell(pair.ways[way]) for way in WAYS))
     console.print(pairs)
     console.print("Of each way: gaps + overlaps + outside; IoU; Hausdorff / L_c; CPU ms.", soft_wrap=True)
@@ -241,17 +241,17 @@ def show(found: Sequence[Compared], console: Console | None = None) -> None:
     for way in WAYS:
         for words in QUANTILES:
             table.add_column(f"{way}\n{words}", justify="right")
-    each_way = {way: quantiles(found, way) for way in WAYS}
+    each_way = {way: quantiles(pairs, way) for way in WAYS}
     for name, words in WORDS.items():
         cells = [f"{of[name][q]:.3g}" if of else "" for of in each_way.values() for q in QUANTILES]
         table.add_row(words, *cells)
     console.print(table)
-    common = sum(all(pair.ways.values()) for pair in found)
-    console.print(f"{len(found)} pairs; quantiles over the {common} that no way refused.", soft_wrap=True)
+    common = sum(all(pair.ways.values()) for pair in pairs)
+    console.print(f"{len(pairs)} pairs; quantiles over the {common} that no way refused.", soft_wrap=True)
     for way in WAYS:
-        made = [figures for pair in found if (figures := pair.ways[way]) is not None]
-        passed = sum(figures.certified for figures in made)
-        console.print(f"{way}: {len(found) - len(made)} refused, {passed} certified.", soft_wrap=True)
+        accepted = [figures for pair in pairs if (figures := pair.ways[way]) is not None]
+        passed = sum(figures.certified for figures in accepted)
+        console.print(f"{way}: {len(pairs) - len(accepted)} refused, {passed} certified.", soft_wrap=True)
 
 
 def _cell(figures: Figures | None) -> str:
