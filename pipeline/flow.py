@@ -34,7 +34,7 @@ from riot import kernels
 
 @dataclass(frozen=True)
 class RunOutcome:
-    """How a run ended: the exit code, the folder of its tables, its report, and whether anything was written."""
+    """The outcome of a run: exit code, folder of tables, report, and whether anything was written."""
 
     code: int
     folder: Path
@@ -45,16 +45,16 @@ class RunOutcome:
 
 
 def check_writable(location: Location, parameter: str) -> None:
-    """Make a place and try to write in it.
+    """Make a folder or bucket, and try to write to it.
 
-    Raises `StartError` naming the place and the ``parameter`` that chooses another.
+    Raises `StartError` with the location and the ``parameter`` that chooses another.
     """
     try:
         open_files(location).probe()
     except OSError as error:
         raise StartError(
-            f"cannot write to {location}: {error.strerror or error}; make room or make it writable, or choose another "
-            f"place with {parameter}=DIR"
+            f"cannot write to {location}: {error.strerror or error}; free space or make it writable, or choose another "
+            f"with {parameter}=DIR"
         ) from error
 
 
@@ -70,17 +70,17 @@ def run_pipeline(config: Config, listen: Listener) -> RunOutcome:
     collection = collect(config.dataset)
     check_writable(run_folder(config), "outputs")
     unwritable = _unwritable(config.store)
-    # What is not yet listed as needed must not be tidied away.
+    # `pipeline.cache gc` must not delete artifacts that no finished run lists yet.
     with open_files(config.store).shared(), swept(run_folder(config)):
         try:
             return _run(config, collection, listen, unwritable)
-        except OSError as error:  # a full disk, no memory to map a file: what is in the store stays there
-            mend = "make room, or make it writable, and " if isinstance(error, StorageError) else ""
+        except OSError as error:  # such as a full disk; what is in the store stays
+            mend = "free space, or make it writable, and " if isinstance(error, StorageError) else ""
             raise StopError(f"{error}; {mend}give the same command again: it goes on from here") from error
 
 
 def _unwritable(store: Location) -> StartError | None:
-    """Why a store that is there cannot be written; raises `StartError` when there is none."""
+    """The error of an existing store that cannot be written; raises `StartError` if there is no store."""
     try:
         check_writable(store, "store")
     except StartError as error:
@@ -138,7 +138,7 @@ def run_stages(progress: Progress, run: Run) -> Progress:
         else:
             items = list(stage.items(progress))
             if not items and stage.optional and stage.scope == "pair":
-                continue  # no colour picture, nothing to make: not worth a line
+                continue  # no line of output for a stage without work
             run.stage(stage, items)
         progress = progress.with_work(stage.name, items, frozenset(run.done), lost)
     return progress
@@ -156,6 +156,6 @@ def _report(folder: Path, listen: Listener) -> Path | None:
             return report.write.write_report(folder)
     except StorageError:
         raise
-    except Exception as error:  # the tables are whole: a run must not be lost by its picture book
+    except Exception as error:  # the tables are whole: the report must not fail the run
         listen(Note(f"the report could not be written: {type(error).__name__}: {error}; the tables are complete"))
         return None

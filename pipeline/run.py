@@ -45,7 +45,7 @@ PIPED_WIDTH = 140
 
 @dataclass(frozen=True)
 class _Ended:
-    """How a job ended: its exit code, the folder of its tables if it finished, else what was said."""
+    """The outcome of a job: exit code, and the folder of its tables if it finished, else the message."""
 
     code: int
     folder: Path | None = None
@@ -96,7 +96,7 @@ def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console)
     program, sys.argv = sys.argv, [sys.argv[0], *arguments]
     try:
         job()
-    except SystemExit as stop:  # Hydra has said why
+    except SystemExit as stop:  # Hydra printed the reason
         failed = FAILED if begun else BAD_START
         return [*ended, ((), _Ended(failed if stop.code else CLEAN))]
     finally:
@@ -105,7 +105,7 @@ def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console)
 
 
 def _job(composed: DictConfig, point: str, console: Console, complaints: Console) -> _Ended:
-    """One job of a sweep: whatever ends it, but for an interrupt, the others are done."""
+    """Run a job of a sweep; the other jobs run whatever ends this one, except an interrupt."""
     try:
         config = make_typed(composed)
         if point:  # else every point of a sweep would replace the tables of the one before
@@ -157,7 +157,7 @@ def _show(config: Config, console: Console) -> int:
 
 
 def _refused(error: Exception, complaints: Console) -> _Ended:
-    """Say what keeps a run from starting, or ended it once it had started: their exit codes differ."""
+    """Print the error; the exit code says whether it kept the run from starting or stopped it."""
     started = not isinstance(error, ConfigError | DatasetError | StartError)
     verb = "Stopped" if started else "Cannot start"
     complaints.print(f"{verb}: {error}", style="red", highlight=False, markup=False)

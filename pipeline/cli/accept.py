@@ -1,8 +1,8 @@
-"""Accepting a run's artifacts for the code that is here: after an edit that changes no result, nothing is redone.
+"""Accept a run's artifacts for the code that is here, so that an edit that changes no result computes nothing again.
 
-Nobody but who made the edit can know that. Every artifact that the run stands on gets a second key, the one that the
-code and libraries here give it; its manifest names the first. Keys are chained, so that all stages are gone through in
-order, and inputs renamed on the way.
+Only the author of the edit can know that no result changes. Every artifact of the run gets a second key, the one that
+the code and libraries here give it; its manifest names the first. Keys are chained: stages are accepted in order, and
+the keys of inputs are replaced on the way.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from pipeline.store.store import Entry, State, Store
 
 @dataclass(frozen=True)
 class Acceptance:
-    """What was accepted, or would be: artifacts by stage, the components that changed, and how often."""
+    """The number of accepted artifacts by stage, and how often each component of a key changed."""
 
     accepted: Mapping[str, int]
     changes: Mapping[str, int]
 
 
 def accept(store: Store, keys: Mapping[str, Sequence[str]], *, dry_run: bool = False) -> Acceptance:
-    """Give the artifacts of a run, its ``keys`` by stage, the keys that they have with the code and libraries here.
+    """Give the artifacts of a run, named by ``keys`` by stage, the keys that the code and libraries here give them.
 
-    Raises KeyError when one is gone, `pipeline.errors.PayloadError` when one is damaged: nothing after it is accepted,
-    and what was before it does no harm.
+    Raises KeyError if an artifact is gone, `pipeline.errors.PayloadError` if one is damaged. The artifacts before it
+    stay accepted, which does no harm; the later ones are not accepted.
     """
     renamed: dict[str, str] = {}
     accepted: Counter[str] = Counter()

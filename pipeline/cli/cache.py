@@ -1,6 +1,6 @@
-"""``python -m pipeline.cache du|verify|gc|accept``: what the store holds, whether it is whole, what no run needs.
+"""``python -m pipeline.cache du|verify|gc|accept``: measure, check and tidy the store.
 
-``accept`` keeps a run's artifacts through an edit of the code that changes no result.
+``accept`` keeps a run's artifacts after an edit of the code that changes no result.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ DAMAGED = 3
 
 @dataclass(frozen=True)
 class Usage:
-    """What a stage takes in the store."""
+    """The artifacts of a stage in the store."""
 
     stage: str
     artifacts: int
@@ -40,7 +40,7 @@ class Usage:
     """Bytes of all its files."""
     stale: int
     stale_size: int
-    """How many of them are stale (see `stale`), and their bytes."""
+    """Bytes of its stale artifacts (see `stale`)."""
 
 
 def usage(store: Store) -> list[Usage]:
@@ -58,12 +58,12 @@ def usage(store: Store) -> list[Usage]:
 
 
 def stale(store: Store) -> set[tuple[str, str]]:
-    """(stage, key) of every artifact that other code or libraries made than are here, or that stands on such a one.
+    """(stage, key) of every artifact that was made by other code or libraries than are here, or from such an artifact.
 
-    No run with this code reads them, whatever its parameters and pictures; nor those whose manifest is damaged.
+    No run with this code reads them, whatever its parameters and pictures. A damaged manifest counts as stale.
     """
     references: set[tuple[str, str]] = set()
-    names: set[str] = set()  # what names them as an input: their keys, and those of single shapes
+    names: set[str] = set()  # keys of stale artifacts, and of the single shapes in them
     makers = {**{stage.name: stage.module for stage in STAGES}, "index": "pipeline.match.index"}
     for stage in dict.fromkeys((*makers, *store.files.names(""))):
         module = makers.get(stage)
@@ -89,14 +89,14 @@ def _parts(store: Store, stage: str, key: str) -> KeyParts | None:
 
 
 def damaged(store: Store) -> list[tuple[str, str]]:
-    """(stage, key) of every artifact that is not whole, down to the last byte."""
+    """(stage, key) of every artifact whose bytes are not those that were written."""
     return [(stage, key) for stage, key in store.folders() if store.state(stage, key) is not State.PRESENT]
 
 
 def needed(outputs: Path) -> tuple[set[tuple[str, str]], int]:
-    """(stage, key) of every artifact that a run below ``outputs`` stands on, and the number of those runs.
+    """(stage, key) of every artifact that the runs below ``outputs`` need, and the number of those runs.
 
-    Raises `StartError` for a run whose list cannot be read: what it needs is not known.
+    Raises `StartError` if the list of a run cannot be read.
     """
     keys: set[tuple[str, str]] = set()
     runs = sorted(outputs.rglob(ARTIFACTS)) if outputs.is_dir() else []
@@ -107,7 +107,7 @@ def needed(outputs: Path) -> tuple[set[tuple[str, str]], int]:
 
 
 def garbage(store: Store, keep: set[tuple[str, str]]) -> Iterator[str]:
-    """Names of the folders of artifacts that are damaged or not in ``keep``, and of abandoned temporary files."""
+    """The folders of artifacts that are damaged or not in ``keep``, and abandoned temporary files, by name."""
     yield from store.files.abandoned("")
     for stage, key in store.folders():
         folder = folder_name(stage, key)

@@ -1,4 +1,4 @@
-"""The command ``riot``: `riot.cli.main`'s, and in a mined collection ``riot match A --in RUN`` and ``riot slices``.
+"""The command ``riot``: the commands of `riot.cli.main`, and ``match`` and ``slices`` over a mined collection.
 
 Exit codes of ``match``: 0 partners found, 1 none (a shape without trunks, or none that fits), 2 could not be done.
 """
@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def run_match(chosen: argparse.Namespace) -> int:
-    """``riot match``: the partners as a table or as JSON on standard output, all else on standard error."""
+    """Run ``riot match``: prints the partners as a table or JSON on standard output, all else on standard error."""
     clock = _Clock()
     warm_all(_say)
     clock.lap("kernels ready")
@@ -59,8 +59,8 @@ def run_match(chosen: argparse.Namespace) -> int:
 def rows(mined: MinedRun, result: MatchResult) -> list[dict[str, Any]]:
     """A row for each partner, best first: its number, name and class, the score, and the trunks that give it.
 
-    Vertex k of ``trunk`` (the query's) corresponds to vertex ``(shift − k) mod n`` of ``partner_trunk``, which the
-    run's trunks table tells by that number.
+    Vertex k of the query's ``trunk`` corresponds to vertex ``(shift − k) mod n`` of ``partner_trunk``, which is a
+    number in the run's table of trunks.
     """
     scores = result.scores
     columns = (scores.j, scores.score, scores.n, scores.trunk_i, scores.trunk_j, scores.shift)

@@ -1,4 +1,4 @@
-"""The last word on the terminal: counts, the best pairs, times, and where the report is."""
+"""The summary on the terminal: counts, the best pairs, times, and the path of the report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from pipeline.tables.record import counts
 from pipeline.tables.results import Row
 
 BEST = 10
+"""Transforms in the summary; the report has the others (ours)."""
+
 REASONS = 3
+"""Kinds of errors in the summary; errors.parquet has the others (ours)."""
 
 
 def show_outcome(outcome: RunOutcome, console: Console) -> None:

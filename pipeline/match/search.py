@@ -1,4 +1,4 @@
-"""The best partners of a new shape among those of a finished run: what was mined how, and the search."""
+"""Open a finished run, and search it for the best partners of a new shape."""
 
 from __future__ import annotations
 
@@ -34,11 +34,12 @@ from riot.types import IntArray
 
 SHAPES = "shapes.parquet"
 AGAIN = "the command that made the run makes it again, and computes only what is missing"
+"""Ends every message about a run that is not whole."""
 
 
 @dataclass(frozen=True, eq=False)
 class MinedRun:
-    """A finished run, as far as a search needs it.
+    """What a search needs of a finished run.
 
     ``names``, ``classes`` and ``digests`` are by shape number. ``trunks`` are the keys of its batches of trunks,
     in the collection's order, ``numbers`` (items,) int64 the shape number of each item of these batches, −1 without
@@ -57,7 +58,7 @@ class MinedRun:
 
     @property
     def unknown(self) -> int:
-        """How many shapes have no batch of trunks, because the work failed."""
+        """The number of shapes without trunks, because the work on their batch failed."""
         return len(self.names) - int((self.numbers >= 0).sum())
 
     def index(self, note: Callable[[str], None]) -> TrunkIndex:
@@ -73,7 +74,7 @@ class MinedRun:
 
 @dataclass(frozen=True, eq=False)
 class Query:
-    """A shape to be matched: name and digest of its file, its trunks for QCRS, and the same for the search."""
+    """A shape to be matched: name and digest of its file, its trunks for QCRS, and these as a stack for the search."""
 
     name: str
     digest: str
@@ -83,9 +84,10 @@ class Query:
 
 @dataclass(frozen=True, eq=False)
 class MatchResult:
-    """The partners found, best first (``scores.j`` are shape numbers), the shape that the query is itself, or None.
+    """The best partners, best first (``scores.j`` are shape numbers).
 
-    ``compared`` counts the shapes of which trunks were compared corner by corner.
+    ``itself`` is the shape of the collection with the query's file, None without one; ``compared`` counts the shapes
+    whose trunks were compared corner by corner.
     """
 
     scores: BlockScores
@@ -94,9 +96,9 @@ class MatchResult:
 
 
 def open_mined(folder: Path, store: Location | None = None) -> MinedRun:
-    """Read what a finished run in ``folder`` stands on; ``store``: where its store is now, if not where it was.
+    """Open the finished run in ``folder``; ``store`` is needed only if its store was moved.
 
-    Raises `StartError` when there is no such run, it was mined by other code than is here, or its store is gone.
+    Raises `StartError` if there is no such run, if other code mined it, or if its store is gone.
     """
     record = _record(folder)
     config = _config(folder, record)
@@ -129,7 +131,7 @@ def open_mined(folder: Path, store: Location | None = None) -> MinedRun:
 
 
 def read_query(mined: MinedRun, path: Path) -> Query:
-    """Read a picture and find its trunks as the collection's were.
+    """Read a picture, and find its trunks as the run did for the collection.
 
     Raises `riot.errors.SilhouetteError`, or OSError when there is no such file.
     """
@@ -139,7 +141,7 @@ def read_query(mined: MinedRun, path: Path) -> Query:
 
 
 def trunks_as_mined(mined: MinedRun, shape: Shape) -> Trunks:
-    """The trunks of a shape, found as the collection's were."""
+    """Find the trunks of a shape as the run did for the collection."""
     config = mined.config
     return compared_trunks(
         shape, config.qcrs.variant, config.trunks, lambda: reversibility(shape, config.reversibility)
@@ -201,7 +203,7 @@ def _artifact_keys(folder: Path, stage: str) -> list[str]:
 
 
 def _entry(store: Store, folder: Path, recipe: Recipe, key: str) -> Entry:
-    """The manifest of a batch; its key has to be what the code here would give it."""
+    """The manifest of a batch; raises `StartError` if the code here would give it another key."""
     stage = recipe.stage
     try:
         entry = store.entry(stage, key)

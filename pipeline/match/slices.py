@@ -1,4 +1,4 @@
-"""`riot slices MODEL --in RUN`: the counterparts of a solid's slices are looked for in a mined collection."""
+"""`riot slices MODEL --in RUN`: search a mined collection for counterparts of a solid's slices."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from riot.slices.assign import Candidate, Shortlist
 
 
 def add_collection(commands: cli.Commands) -> None:
-    """Let the command `slices`, which is there already, look in a run."""
+    """Add to the command `slices` the options that search a run."""
     parser = commands.choices["slices"]
     parser.add_argument(
         "--in", dest="run_folder", type=Path, metavar="RUN", help="become shapes of a run, as outputs/mpeg7"
@@ -32,9 +32,9 @@ def add_collection(commands: cli.Commands) -> None:
 
 
 def run_slices(chosen: argparse.Namespace) -> int:
-    """``riot slices``; exit codes as `riot.cli.slices` tells them.
+    """Run ``riot slices``; returns the exit code, as `riot.cli.slices` documents.
 
-    Raises `StartError` if both or neither of files and a run are given, or as `pipeline.match.search.open_mined`.
+    Raises `StartError` unless either files or a run is given, and as `pipeline.match.search.open_mined` does.
     """
     if (chosen.run_folder is None) == (not chosen.into):
         raise StartError("give the shapes to become either as files (--into A.png,B.png) or as a run (--in RUN)")
@@ -61,7 +61,7 @@ def shortlists(mined: MinedRun, slices: Sequence[Shape], keep: int) -> tuple[Sho
 
 
 def read_shapes(mined: MinedRun, numbers: set[int]) -> dict[int, Shape]:
-    """The shapes of a run with these numbers, named as its tables do; StartError if one is not in the store."""
+    """The shapes of a run with these numbers, under their names; raises `StartError` if one is not in the store."""
     shapes: dict[int, Shape] = {}
     first = 0
     try:

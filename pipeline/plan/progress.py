@@ -1,4 +1,4 @@
-"""What is known of a run while it goes through its stages: the collection, and the work items of each stage so far."""
+"""The state of a run as it goes through its stages: the collection, and the work items of each planned stage."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from pipeline.store.artifact import Artifact
 
 @dataclass(frozen=True)
 class Progress:
-    """A run as its stages see it when they plan their work; nothing in it ever changes, `with_work` makes the next.
+    """What a stage can read when it plans its work. It is immutable; `with_work` returns the next state.
 
-    Keys are chained (a work item's inputs are named by their keys), so that everything up to the selection is planned
-    from the configuration and the pictures' digests alone; later stages read what earlier ones found, by ``read``.
+    Keys are chained: a work item names its inputs by their keys. Therefore all work up to the selection is planned from
+    the configuration and the digests of the pictures alone; later stages ``read`` the results of earlier ones.
     """
 
     config: Config
@@ -35,7 +35,7 @@ class Progress:
     """Work items by stage, of the stages that were planned so far."""
     done: AbstractSet[Reference] = frozenset()
     lost: Mapping[str, tuple[WorkItem, ...]] = field(default_factory=dict)
-    """Work that failed by itself after its block had failed as a whole, by stage."""
+    """Parts of failed blocks that failed alone, too, by stage."""
 
     @property
     def items(self) -> tuple[Item, ...]:
@@ -55,13 +55,13 @@ class Progress:
         return number, position - self.batches[number].start
 
     def finished(self, stage: str) -> list[WorkItem]:
-        """The work items of a stage that are done, in order; none of a stage that is not among ``work``."""
+        """The finished work items of a stage, in order; empty if the stage is not planned."""
         return [item for item in self.work.get(stage, ()) if item.reference in self.done]
 
     def with_work(
         self, stage: str, items: Sequence[WorkItem], done: AbstractSet[Reference], lost: Sequence[WorkItem] = ()
     ) -> Progress:
-        """The same with the work items of one more stage; ``done`` are all artifacts that are there now."""
+        """The state after one more stage; ``done`` are all artifacts that are in the store by now."""
         return replace(
             self,
             work={**self.work, stage: tuple(items)},
@@ -70,7 +70,7 @@ class Progress:
         )
 
     def alone(self, position: int) -> Progress:
-        """The same, nothing planned yet, with a single batch that holds one item."""
+        """The state before the first stage, with a single batch of a single item."""
         return replace(self, batches=(range(position, position + 1),), work={}, lost={})
 
 

@@ -1,4 +1,4 @@
-"""Work items: what one artifact is made of, and recipes, which make the work items of a stage."""
+"""Work items, of which each makes an artifact, and recipes, which make the work items of a stage."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True)
 class WorkItem:
-    """One piece of work that makes one artifact.
+    """A piece of work that makes an artifact.
 
-    ``sources`` are the artifacts that it reads; ``spec`` is what else its stage's ``run`` is told. ``members`` are the
-    positions of the collection's items that it concerns: all of a batch, two of a pair. ``block`` numbers the two
+    ``sources`` are the artifacts that it reads; ``spec`` is the third argument of its stage's ``run``. ``members`` are
+    the positions of the collection's items that it concerns: all of a batch, two of a pair. ``block`` numbers the two
     batches, or the batch and the shard, between which it lies.
     """
 
@@ -50,7 +50,7 @@ class WorkItem:
 
 @dataclass(frozen=True)
 class Recipe:
-    """What all work items of a stage share: its parameters, and the digests of its code. Frozen when a run starts."""
+    """What all work items of a stage share: parameters, and digests of code. It does not change during a run."""
 
     stage: str
     parameters: tuple[Any, ...]
@@ -60,7 +60,7 @@ class Recipe:
     versions: dict[str, str]
 
     def parts(self, inputs: Sequence[str], spec: Any = None) -> KeyParts:
-        """Parts of the key of a work item; ``spec`` is whatever else the work depends on, as plain values."""
+        """The parts of a work item's key; ``spec`` is what the work depends on besides its inputs, as plain values."""
         if spec is None:
             return KeyParts(self.stage, self.values, tuple(inputs), self.code, self.versions, shared=self._shared)
         values = {**self.values, "item": canonical_value(spec)}
@@ -79,7 +79,7 @@ class Recipe:
         return WorkItem(parts, self.parameters, tuple(sources), spec, tuple(members), block)
 
     def after(self, earlier: WorkItem) -> WorkItem:
-        """The work item that reads the artifact of an ``earlier`` one and nothing else, on the same members."""
+        """The work item that reads only the artifact of an ``earlier`` one, with the same members."""
         return self.item(self.parts([earlier.key]), [earlier.reference], members=earlier.members)
 
     @cached_property

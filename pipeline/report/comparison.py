@@ -1,4 +1,4 @@
-"""The paper's method beside the exact one, on the pairs of a run that were made by both."""
+"""Compare the paper's method with the exact one on the pairs of a run that both constructed."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Comparison:
 
     @property
     def sentence(self) -> str:
-        """What came of it, in a sentence."""
+        """The result of the comparison, in a sentence."""
         exact, paper = self.medians
         residual = median(pair.paper.residual for pair in self.pairs)
         sentence = (

@@ -14,6 +14,7 @@ CELLS = 10_000
 """Resolution of a distribution over [0, 1]; quantiles are exact to one cell."""
 
 BARS = 50
+"""Bars of a histogram over [0, 1] (ours)."""
 
 WIDTH, HEIGHT = 460, 170
 """Of the drawing, in its own units."""

@@ -29,7 +29,7 @@ class ReportError(RiotError, FileNotFoundError):
 
 @dataclass(frozen=True)
 class ReportedRun:
-    """A finished run as the report needs it."""
+    """What the report shows of a finished run."""
 
     folder: Path
     facts: Row

@@ -15,7 +15,7 @@ WIDTH, HEIGHT = 264, 132
 """Its natural size, in pixels."""
 
 TOLERANCE = 4e-3
-"""Detail that is left out, in units of the shape: a quarter of a pixel."""
+"""Greatest deviation of the simplified outlines, in units of the shape: a quarter of a pixel (ours)."""
 
 _MARGIN = 0.03
 

@@ -15,14 +15,12 @@ from pipeline.report.thumb import thumb
 from pipeline.report.transform_page import transform_page
 from pipeline.store.store import write_atomically
 from pipeline.tables.outputs import new_place, replace_folder
-from pipeline.tables.record import GALLERY
+from pipeline.tables.record import GALLERY, REPORT
 from pipeline.tables.textures import read_textures
 from riot.draw.piece_image import PieceImages
 from riot.errors import FormatError
 from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
-
-REPORT = "report.html"
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +80,7 @@ def _readable(run_dir: Path, rows: Iterable[TransformRow], lost: list[Rejection]
 
 
 def _between(drawn: Iterable[_Drawn]) -> Iterator[tuple[_Drawn | None, _Drawn, _Drawn | None]]:
-    """Each with the one before and the one after; no more than three are held."""
+    """Each transform with the previous and the next one; at most three are in memory."""
     before: _Drawn | None = None
     now: _Drawn | None = None
     for after in drawn:

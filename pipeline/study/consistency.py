@@ -1,4 +1,4 @@
-"""Whether QCRS orders pairs as CRS does: the paper's experiment (§6), over more pairs, and for both variants."""
+"""How often QCRS orders pairs as CRS does: the paper's experiment (§6), over more pairs, and for both variants."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ PAPER = 0.774
 """Share of 1,000 random pairs of pairs that the paper found ordered alike."""
 
 TOPS = (10, 30, 100)
+"""Numbers of best pairs that are compared (ours)."""
+
 BINS = 20
+"""Equally full bins of the score in the figures (ours)."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,7 @@ def _selected(finished: StudiedRun, partners: StudiedPartners) -> PairSample:
 
 
 def _quick(finished: StudiedRun, pairs: IntArray, variant: QcrsVariant, partners: StudiedPartners) -> FloatArray:
-    """QCRS of one variant: the run's own from its tables, the other by the variant's own sigmas."""
+    """QCRS of a variant: from the run's tables if it is the run's own, else computed with the variant's sigmas."""
     settings = finished.config
     if variant == settings.qcrs.variant:
         return finished.quick_scores(pairs)
@@ -168,7 +171,7 @@ def _findings(finished: StudiedRun, parameters: Parameters, samples: list[PairSa
 
 
 def _comparisons(sample: PairSample) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
-    """Names and values of a score and what it is held beside, where at least two values of both differ."""
+    """Names and values of each score and its reference, if both have at least two different values."""
     refined = np.isfinite(sample.bound)
     scores = {f"QCRS {variant}": quick for variant, quick in sample.quick.items()}
     every = [(name, "CRS", score, sample.cross) for name, score in scores.items()]

@@ -1,4 +1,4 @@
-"""The page of a run's studies: what each asks, what it found if it was made, else the command that makes it. Ours."""
+"""The page that lists a run's studies: their questions, their findings, or the command that makes them. Ours."""
 
 from __future__ import annotations
 

@@ -18,8 +18,11 @@ from riot.parameters.field import ParameterGroup, parameter
 from riot.types import FloatArray, IntArray
 
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Quantiles in the tables."""
+
 BANDS = (0.1, 0.5, 0.8, 0.9)
-"""What the lead counts between."""
+"""Scores between which the lead counts shapes and pairs (ours)."""
+
 WORDS = ("least", "25 %", "median", "75 %", "greatest")
 
 

@@ -22,9 +22,10 @@ from pipeline.study.registry import LEAD, PAGE, TABLE
 from pipeline.tables.schemas import schema
 
 DOTS_PER_INCH = 160
+"""Resolution of PNG figures (ours: sharp at the page's width on a dense screen)."""
 
 WIDE = 3.0
-"""Figures that are so many times wider than high fill the page's width."""
+"""Figures whose width is more than this multiple of their height fill the page's width (ours)."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class FigureImage:
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """A study's outcome: a sentence or two, the table of all its values, and what the page shows.
+    """The results of a study: a lead of a sentence or two, the table of all values, and what the page shows.
 
     ``figures`` are by file name without suffix, each with its caption; ``files`` by name, to lie beside the page.
     """
@@ -95,7 +96,7 @@ def write_findings(findings: Findings, folder: Path) -> Path:
         write_atomically(folder / f"{name}.svg", drawn)
         write_atomically(folder / f"{name}.png", png(figure))
         width, height = figure.get_size_inches()
-        # As an image of its own, the ids of one figure do not meet those of another.
+        # Each figure is an image of its own, so that ids in two of them do not clash.
         pictures.append(FigureImage(base64.b64encode(drawn).decode(), caption, width > WIDE * height))
     page = render("study.html", findings=findings, pictures=pictures, table=TABLE)
     write_atomically(folder / PAGE, page.encode())

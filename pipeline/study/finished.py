@@ -1,4 +1,4 @@
-"""What a study reads: the tables and shapes of a finished run."""
+"""The tables and shapes of a finished run, for studies."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from riot.types import FloatArray, IntArray
 
 @dataclass(frozen=True, eq=False)
 class StudiedRun:
-    """A finished run, mined by the code that is here."""
+    """A finished run whose shapes were mined by the code that is here."""
 
     mined: MinedRun
 
@@ -33,7 +33,7 @@ class StudiedRun:
 
     @property
     def config(self) -> Config:
-        """What the run was told."""
+        """The run's configuration."""
         return self.mined.config
 
     @property

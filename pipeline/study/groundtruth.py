@@ -1,4 +1,4 @@
-"""Whether the search finds exact pairs that are hidden in a run's collection, and how little it deforms them."""
+"""How well the search finds exact pairs that are hidden in a run's collection, and how little it deforms them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ PIECES = (3, 4, 5, 6)
 """Numbers of pieces of the hidden pairs, in turn."""
 
 RANKS = 400
-"""The curve of recall ends here."""
+"""Greatest rank of the recall curve (ours)."""
 
 
 @dataclass(frozen=True)
@@ -90,9 +90,11 @@ def _findings(
     causes = Counter(recovery.cause for recovery in recoveries if recovery.cause)
     cross = np.array([np.nan if recovery.cross_rank is None else recovery.cross_rank for recovery in recoveries])
     worst = np.array([recovery.found for recovery in close])
-    curves = {**{f"QCRS, {variant}": each for variant, each in ranks.items()}, "CRS": cross}
+    curves = {**{f"QCRS, {variant}": by_shape for variant, by_shape in ranks.items()}, "CRS": cross}
     depths = (1, 3, 10, 50, 100, 400)
-    recall_rows = [(name, *(f"{np.mean(each <= depth):.1%}" for depth in depths)) for name, each in curves.items()]
+    recall_rows = [
+        (name, *(f"{np.mean(by_shape <= depth):.1%}" for depth in depths)) for name, by_shape in curves.items()
+    ]
     spread = [
         (WAYS[way], *(f"{row[word]:.5f}" for word in QUANTILES), f"{row['refused']:.0f}")
         for way, row in quantiles(close).items()
@@ -150,17 +152,17 @@ def _table(
     }
     columns = [
         (
-            column(each.name, kinds[str(each.type)], meanings[each.name]),
-            [getattr(recovery, each.name) for recovery in recoveries],
+            column(entry.name, kinds[str(entry.type)], meanings[entry.name]),
+            [getattr(recovery, entry.name) for recovery in recoveries],
         )
-        for each in fields(Recovery)
+        for entry in fields(Recovery)
     ]
     columns += [
         (
             column(f"rank_{variant}", pa.int32(), f"rank of its partner by QCRS, variant {variant}"),
-            each.astype(np.int32).tolist(),
+            by_shape.astype(np.int32).tolist(),
         )
-        for variant, each in ranks.items()
+        for variant, by_shape in ranks.items()
     ]
     columns += [
         (column(f"iou_{way}", pa.float64(), f"IoU of the pair's worse shape: {words}; nan = refused", "1"),

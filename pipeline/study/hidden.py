@@ -1,4 +1,4 @@
-"""Exact pairs that are hidden in a collection: made, drawn, and looked for among candidate trunks."""
+"""Exact pairs to hide in a collection: generate them, draw them, and look for their trunks among candidates."""
 
 from __future__ import annotations
 
@@ -27,6 +27,8 @@ from riot.types import BoolArray, FloatArray, IntArray
 from riot.units import D_C, L_C
 
 SEED = 4711
+"""Seed before the first pair's, so that every study hides the same pairs."""
+
 KINDS: tuple[tuple[Topology, bool], ...] = tuple(itertools.product(("star", "binary"), (False, True)))
 LEAST_PIECE, LEAST_EDGE = 0.01, L_C / TrunkParameters().spacing
 """Pairs with a smaller exterior piece or a shorter trunk edge are not hidden: no candidate trunk is like theirs."""
@@ -44,9 +46,9 @@ NARROW = PairLimits(
     least_depth=0.05,
     greatest_arc=0.5,
 )
-"""Limits of pairs made without regard to the search: hinges anywhere, shallow pieces."""
+"""Limits of pairs that are hard to find: hinges anywhere, shallow pieces (ours)."""
 PIXELS, FINER, MARGIN = 256, 4, 8
-"""Side of a picture; its pixels are means of so many squared; free pixels at the border."""
+"""Side of a picture in pixels; supersampling per side; empty pixels at the border (ours: as MPEG-7's pictures)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +128,7 @@ def drawn(
 
 
 def nearest(hidden: Hidden, trunks: Trunks) -> float:
-    """The least distance, over trunks of as many corners, of the corner that is farthest from its true place.
+    """Distance of the nearest trunk with as many corners from the true one: that of its farthest corner.
 
     In the unit-area frame; inf without such trunks.
     """
@@ -141,7 +143,7 @@ def nearest(hidden: Hidden, trunks: Trunks) -> float:
 
 
 def failed_test(hidden: Hidden, trunks: Trunks, quick: bool, parameters: TrunkParameters) -> str:
-    """The first test after which nothing near the true trunk is left; "" if one of ``trunks`` is near it."""
+    """The first test that leaves nothing near the true trunk; "" if one of ``trunks`` is near it."""
     shape, corners = hidden.shape, hidden.corners
     n = len(corners)
     if nearest(hidden, trunks) <= NEAR:

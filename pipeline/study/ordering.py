@@ -1,4 +1,4 @@
-"""How far the order of shapes by S_r stays when one of its sigmas is another. Ours."""
+"""How much the order of shapes by S_r changes with one of its sigmas. Ours."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], Non
 
 
 def _times(outcomes: Sequence[TrunkOutcome], say: Callable[[str], None]) -> bytes:
-    """The table of times; each is told as well."""
+    """The table of times; reports each time as well."""
     default_seconds = next(outcome.seconds for outcome in outcomes if outcome.default)
     for outcome in outcomes:
         say(

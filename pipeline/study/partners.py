@@ -1,4 +1,4 @@
-"""From a list of shapes to transforms of its pairs, each step made once: what studies of the search share."""
+"""Scores and transforms of the pairs of a list of shapes, each computed once, for studies of the search."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Clock:
     last: float = field(default_factory=time.process_time)
 
     def tick(self, step: str) -> None:
-        """What has passed since the last call was this step's."""
+        """Add the time since the last call to a step."""
         now = time.process_time()
         self.seconds[step] = self.seconds.get(step, 0.0) + now - self.last
         self.last = now

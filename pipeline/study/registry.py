@@ -25,7 +25,7 @@ STUDIES: Mapping[str, str] = MappingProxyType(
 TABLE, PAGE = "table.parquet", "report.html"
 
 TIMES = "times.parquet"
-"""What varies between equal runs, so that `TABLE` does not."""
+"""The file of times, which differ between equal runs; `TABLE` does not."""
 
 LEAD = b"lead"
 """Key of the findings in a sentence or two, in the metadata of `TABLE`."""

@@ -1,4 +1,4 @@
-"""How far two scores of the same pairs agree, and how sure a share is. Ours, on scipy's statistics."""
+"""Agreement of two scores of the same pairs, and confidence intervals of shares. Ours, on `scipy.stats`."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from scipy import stats
 from riot.types import FloatArray
 
 CONFIDENCE = 0.95
-"""Of all intervals."""
+"""Confidence level of all intervals (ours)."""
 
 TIED = 0.05
-"""Scores that differ by less are nearly tied."""
+"""Scores that differ by less than this are nearly tied (ours)."""
 
 
 def wilson(good: int, trials: int, together: int = 1) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""What each step costs in a run, beside the paper's table of times."""
+"""The time of each step in a run, compared with the paper's table of times."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def study(finished: StudiedRun, parameters: Parameters, say: Callable[[str], Non
         ],
     )
     cells = [
-        (step.name, step.unit, _said(step.paper), _said(seconds), f"{ratio:,.0f} ×" if math.isfinite(ratio) else "–")
+        (step.name, step.unit, _words(step.paper), _words(seconds), f"{ratio:,.0f} ×" if math.isfinite(ratio) else "–")
         for step, seconds, ratio in zip(METHOD_STEPS, ours, faster, strict=True)
     ]
     figure = plots.bars(
@@ -97,5 +97,5 @@ def _seconds(rows: dict[str, dict[str, float]], stage: str, counts: dict[str, in
     return float(row["stored_seconds"]) / items if items else math.nan
 
 
-def _said(seconds: float) -> str:
+def _words(seconds: float) -> str:
     return f"{seconds:.3g} s" if seconds >= 0.1 else f"{1e3 * seconds:.3g} ms" if math.isfinite(seconds) else "–"

@@ -1,4 +1,4 @@
-"""Shapes that are slightly deformed, as a second drawing of the same thing would be. Ours."""
+"""Deform shapes slightly, as if they were drawn a second time. Ours."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from riot.types import FloatArray
 
 WAVES = 3
-"""Plane waves that a deformation is a sum of."""
+"""Number of plane waves in a deformation (ours)."""
 
 LONGEST, SHORTEST = 3.0, 1.2
 """Wave lengths, in units of √area."""
@@ -16,7 +16,7 @@ LONGEST, SHORTEST = 3.0, 1.2
 def deformed(points: FloatArray, amplitude: float, rng: np.random.Generator) -> FloatArray:
     """Points (m, 2) of a unit-area shape moved by a sum of plane waves, long and low.
 
-    The displacement's greatest slope is at most 2π · amplitude / `SHORTEST` < 1, so that no two places change sides.
+    The displacement's greatest slope is at most 2π · amplitude / `SHORTEST` < 1, so that no two points change sides.
     """
     moved = points.copy()
     for _ in range(WAVES):

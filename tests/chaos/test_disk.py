@@ -114,7 +114,7 @@ def fill_the_store(undisturbed: Undisturbed, where: Path) -> None:
         change(where / "store", f"size={size}k")
         code, said, work = mine(config, where)
         assert code == FAILED and said.startswith("Stopped: cannot write to"), said
-        assert f"{where / 'store'}: No space left on device; make room" in said and said.endswith(
+        assert f"{where / 'store'}: No space left on device; free space" in said and said.endswith(
             "it goes on from here"
         )
         now = committed(store)
@@ -136,7 +136,7 @@ def lock_the_store_meanwhile(undisturbed: Undisturbed, where: Path) -> None:
             config, where, lambda now, at=stage: change(where / "store", "ro") if now == at else None
         )
         assert code == FAILED and said.startswith("Stopped: cannot write to") and work[-1] == stage, said
-        assert f"{where / 'store'}: Read-only file system; make room, or make it writable" in said
+        assert f"{where / 'store'}: Read-only file system; free space, or make it writable" in said
         now = committed(store)
         assert done < now < undisturbed.artifacts and len(work) == len(now - done) + 1
         done = now
@@ -195,7 +195,7 @@ def fill_the_outputs(undisturbed: Undisturbed, where: Path) -> None:
         change(outputs, f"size={size}k")
         code, said, work = mine(config, where)
         assert (code, work) == (FAILED, []) and said.startswith("Stopped: cannot write to"), said
-        assert f"{outputs / 'folder'}: No space left on device; make room" in said
+        assert f"{outputs / 'folder'}: No space left on device; free space" in said
         assert not list(outputs.rglob(".tmp-*"))
     change(outputs, ENOUGH)
     assert mine(config, where) == (CLEAN, "", [])
