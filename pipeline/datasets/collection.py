@@ -17,10 +17,10 @@ from platformdirs import user_cache_path
 from pipeline.datasets import sample
 from pipeline.datasets.item import Item
 from riot.errors import ParameterError, RiotError
-from riot.geometry.picture import SUFFIXES
+from riot.geometry.picture import PICTURE_SUFFIXES
 from riot.parameters.field import ParameterGroup, parameter
 
-PICTURES = frozenset({*SUFFIXES, ".svg"})
+PICTURES = frozenset({*PICTURE_SUFFIXES, ".svg"})
 """Files with these suffixes are items of a collection. Ingest finds out whether they can be read."""
 
 Kind = Literal["sample", "folder", "mpeg7", "animals", "paper"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PIL import Image
 
 from pipeline.datasets.item import SAMPLE_PREFIX, Item
-from riot.geometry.picture import FORMATS
+from riot.geometry.picture import PICTURE_FORMATS
 
 
 def may_be_coloured(item: Item) -> bool:
@@ -13,7 +13,7 @@ def may_be_coloured(item: Item) -> bool:
     if item.source.startswith(SAMPLE_PREFIX):
         return False
     try:
-        with Image.open(item.source, formats=FORMATS) as image:
+        with Image.open(item.source, formats=PICTURE_FORMATS) as image:
             return "A" in image.getbands() or "transparency" in image.info
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):  # ingest reports such a file
         return False

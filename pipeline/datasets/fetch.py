@@ -28,7 +28,7 @@ from PIL import Image
 
 from pipeline.datasets.collection import DatasetError, default_root
 from pipeline.store.storage_errors import UNWRITABLE
-from riot.geometry.picture import FORMATS, SUFFIXES
+from riot.geometry.picture import PICTURE_FORMATS, PICTURE_SUFFIXES
 
 MPEG7_URLS = ("http://www.dabi.temple.edu/~shape/MPEG7/MPEG7dataset.zip",)
 """Tried in order. The first is the authors' own (Latecki, Lakämper, Eckhardt, CVPR 2000)."""
@@ -120,7 +120,7 @@ def fetch(
 
 def check(folder: Path, entries: Iterable[ManifestEntry]) -> list[str]:
     """List the pictures of ``entries`` that are missing, unreadable or altered in a folder, a line for each."""
-    files = {path.stem.casefold(): path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES}
+    files = {path.stem.casefold(): path for path in sorted(folder.iterdir()) if path.suffix.lower() in PICTURE_SUFFIXES}
     faults: list[str] = []
     for entry in entries:
         path = files.get(entry.name.casefold())
@@ -135,7 +135,7 @@ def check(folder: Path, entries: Iterable[ManifestEntry]) -> list[str]:
 
 def entry_of(path: Path, name: str) -> ManifestEntry:
     """The manifest entry of a picture file: each pixel is object if any of red, green, blue is not zero."""
-    with Image.open(path, formats=FORMATS) as image:
+    with Image.open(path, formats=PICTURE_FORMATS) as image:
         if image.width * image.height > MOST_PIXELS:
             raise ValueError(f"{path}: too large")
         pixels = np.asarray(image.convert("RGB")).any(axis=2)
@@ -162,9 +162,9 @@ def write_manifest(folder: Path, path: Path) -> int:
     Raises `DatasetError` for a folder without pictures, OSError or ValueError for a damaged one; then nothing is
     written.
     """
-    files = sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
+    files = sorted(file for file in folder.iterdir() if file.suffix.lower() in PICTURE_SUFFIXES)
     if not files:
-        raise DatasetError(f"{folder}: no pictures here ({', '.join(SUFFIXES)})")
+        raise DatasetError(f"{folder}: no pictures here ({', '.join(PICTURE_SUFFIXES)})")
     entries = [entry_of(picture, picture.stem) for picture in files]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -246,7 +246,7 @@ def _unpack(archive: Path, folder: Path, entries: Iterable[ManifestEntry], most:
             for info in members:
                 inner = PurePosixPath(info.filename)
                 name = wanted.get(inner.stem.casefold())
-                if name is None or inner.suffix.lower() not in SUFFIXES or inner.name.startswith("."):
+                if name is None or inner.suffix.lower() not in PICTURE_SUFFIXES or inner.name.startswith("."):
                     continue
                 path = folder / (name + inner.suffix.lower())
                 with packed.open(info) as source, path.open("wb") as sink:

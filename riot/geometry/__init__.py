@@ -1,7 +1,7 @@
 """From pictures, vector files and polygons to shapes (paper §6).
 
-A `riot.geometry.shape.Shape` is data; the readers in `silhouette` make it, of files that nobody vouches for: `limits`
-says how large they may be, and what is refused raises `SilhouetteError`. A shape does not depend on the rotation,
+A `riot.geometry.shape.Shape` is data; the readers in `silhouette` make it from untrusted files. `limits` bounds the
+length of a file, and a refused file raises `SilhouetteError`. A shape does not depend on the rotation,
 position, size or first vertex of its outline (tests/property/test_silhouette_properties.py,
 tests/fuzz/test_readers.py).
 """

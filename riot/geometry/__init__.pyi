@@ -2,9 +2,11 @@ from . import contour as contour
 from . import crossings as crossings
 from . import limits as limits
 from . import machine_errors as machine_errors
+from . import outline as outline
 from . import picture as picture
 from . import polyline as polyline
 from . import shape as shape
 from . import silhouette as silhouette
 from . import svg_document as svg_document
 from . import svg_outline as svg_outline
+from . import svg_regions as svg_regions

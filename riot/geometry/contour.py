@@ -16,10 +16,16 @@ from riot.parameters import ShapeParameters
 from riot.types import BoolArray, FloatArray
 
 _FINE_SIDE = 512.0
-"""Objects with a greater √area, in pixels, are averaged down: the contour stays finer than the sampling."""
+"""√area, pixels, above which an object is averaged down. Ours: the contour stays many times finer than the sampling."""
 
 _FAITHFUL = 0.02
-"""A contour whose area differs by more than this share from the pixels' is traced again with less smoothing."""
+"""Share of the area by which a contour may differ from the pixels; above it smoothing is reduced. Ours."""
+
+_LEVELS = 256
+"""Grey levels of Otsu's threshold."""
+
+_BLUR_REACH = 4.0
+"""Standard deviations after which SciPy cuts off a Gaussian."""
 
 
 def find_object(picture: Picture, where: str, parameters: ShapeParameters) -> tuple[FloatArray, BoolArray]:
@@ -57,20 +63,21 @@ def find_object(picture: Picture, where: str, parameters: ShapeParameters) -> tu
 
 
 def _two_levels(grey: FloatArray) -> tuple[float, float]:
-    """Mean grey of the dark and of the light pixels, parted by Otsu's threshold on 256 levels."""
+    """Mean grey of the dark and of the light pixels, separated by Otsu's threshold (Otsu 1979)."""
     least, most = float(grey.min()), float(grey.max())
-    levels = ((grey - least) * (255.0 / (most - least))).astype(np.uint8)
-    counts = np.bincount(levels.ravel(), minlength=256)
+    levels = ((grey - least) * ((_LEVELS - 1.0) / (most - least))).astype(np.uint8)
+    counts = np.bincount(levels.ravel(), minlength=_LEVELS)
     split = int(threshold_otsu(hist=counts)) + 1
     dark, light = counts[:split], counts[split:]
-    step = (most - least) / 255.0
+    step = (most - least) / (_LEVELS - 1.0)
     low = float(np.dot(dark, np.arange(split)) / dark.sum())
-    high = float(np.dot(light, np.arange(split, 256)) / light.sum())
+    high = float(np.dot(light, np.arange(split, _LEVELS)) / light.sum())
     return least + step * low, least + step * high
 
 
 def _filled(light: BoolArray) -> BoolArray:
-    """Fill what the outside cannot reach, not even over corners: contours never touch themselves."""
+    """Fill holes: pixels that the outside cannot reach over edges or corners, so that contours never touch
+    themselves."""
     outside, _ = ndimage.label(np.pad(~light, 1, constant_values=True), structure=np.ones((3, 3)))
     return np.asarray(outside[1:-1, 1:-1] != outside[0, 0], dtype=np.bool_)
 
@@ -96,11 +103,11 @@ def trace_contour(ramp: FloatArray, component: BoolArray, smoothing: float, wher
     box = (slice(top, int(rows[-1]) + 1), slice(left, int(columns[-1]) + 1))
     inside = component[box]
     step = max(1, int(math.sqrt(inside.sum()) / _FINE_SIDE))
-    margin = step * (2 + math.ceil(4.0 * smoothing))
+    margin = step * (2 + math.ceil(_BLUR_REACH * smoothing))
     extra = [-n % step for n in inside.shape]
     inside = np.pad(inside, ((margin, margin + extra[0]), (margin, margin + extra[1])))
     near = np.pad(ramp[box], ((margin, margin + extra[0]), (margin, margin + extra[1])))
-    # Grey values count beside the outline only, and may not move it to another component.
+    # Grey values count only next to the outline, and cannot move it to another component.
     field = np.where(inside, np.maximum(near, 0.5), np.minimum(near, 0.5))
     all_sides, any_side = _with_neighbours(inside)
     field[all_sides] = 1.0

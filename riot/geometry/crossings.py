@@ -1,4 +1,4 @@
-"""Outlines that cross themselves so often that their regions would fill the memory, found before that. Ours."""
+"""Refuse outlines that cross themselves so often that their regions would fill the memory. Ours."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import shapely
 from riot.types import FloatArray
 
 _MAX_CROSSINGS = 20_000
-"""Pairs of edges that may meet, beside `_MEETINGS` for each edge: every crossing is a vertex of the regions."""
+"""Pairs of edges that may meet, in addition to `_MEETINGS` for each edge. Ours: each crossing is a vertex of a
+region."""
 
 _MEETINGS = 50
-"""An edge meets itself and its neighbours, and as many again for each copy that lies upon it."""
+"""Meetings allowed for each edge: with itself, its neighbours, and those of copies that lie on it. Ours."""
 
-_AT_ONCE = 2_000_000
-"""Pairs of edges that are looked at together, at most."""
+_PAIRS_AT_ONCE = 2_000_000
+"""Greatest number of pairs of edges that are tested together. Ours: it bounds the memory."""
 
 
 class TangleError(Exception):
@@ -31,7 +32,7 @@ def refuse_tangles(rings: Sequence[FloatArray]) -> None:
     edges = shapely.linestrings(ends)
     most = _MEETINGS * len(edges) + _MAX_CROSSINGS
     tree, met = shapely.STRtree(edges), 0
-    step = max(1, _AT_ONCE // len(edges))
+    step = max(1, _PAIRS_AT_ONCE // len(edges))
     for start in range(0, len(edges), step):
         met += tree.query(edges[start : start + step], predicate="intersects").shape[1]
         if met > most:

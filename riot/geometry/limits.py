@@ -1,6 +1,6 @@
-"""Limits on files that nobody vouches for: they must be files, and no longer than they may be (ours).
+"""Limits on untrusted files: they must be regular files of limited length (ours).
 
-What a file's content may ask for is limited where the content is understood: pixels and contour points in
+Limits on the content stand where the content is understood: pixels and contour points in
 `riot.parameters` and `riot.geometry.silhouette`, drawn geometry in `riot.geometry.svg_document` and
 `riot.geometry.svg_outline`, pieces in `riot.transform.riot_file`.
 """

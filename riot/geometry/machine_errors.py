@@ -1,6 +1,6 @@
-"""Tell errors of the machine (memory, a failing disk) from errors of a file (ours).
+"""Distinguish errors of the machine (memory, a failing disk) from errors of a file (ours).
 
-An error of a file is the same whenever the file is read, so it may be kept as what is known of the file.
+An error of a file is the same whenever the file is read, so it may be stored as the result of reading it.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ _OF_THE_FILE = frozenset(
 def is_of_machine(error: BaseException) -> bool:
     """Whether an error comes from the machine (memory, descriptors, a failing disk or network), not from a file.
 
-    Such an error may be gone the next time and must not be kept as what is known of the file. Error numbers other than
-    the known ones of a file count as the machine's; an OSError without a number comes from a decoder, of its data.
+    Such an error may not occur the next time, and must not be stored as the result of reading the file. Error numbers
+    other than the known ones of a file count as the machine's; an OSError without a number comes from a decoder, of its
+    data.
 
     >>> is_of_machine(FileNotFoundError(errno.ENOENT, "missing")), is_of_machine(MemoryError())
     (False, True)

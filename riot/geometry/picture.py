@@ -15,10 +15,10 @@ from riot.geometry.limits import PICTURE_BYTES, TooManyBytes, check_file
 from riot.geometry.machine_errors import is_of_machine
 from riot.types import FloatArray
 
-FORMATS = ("PNG", "GIF", "BMP", "TIFF", "JPEG")
+PICTURE_FORMATS = ("PNG", "GIF", "BMP", "TIFF", "JPEG")
 """The decoders that may run: Pillow has others that would start foreign programs."""
 
-SUFFIXES = (".png", ".gif", ".bmp", ".tif", ".tiff", ".jpg", ".jpeg")
+PICTURE_SUFFIXES = (".png", ".gif", ".bmp", ".tif", ".tiff", ".jpg", ".jpeg")
 
 WORKING_SIDE = 2048
 """Pictures with a longer side are averaged down to it; boundary points are some hundred times coarser."""
@@ -61,7 +61,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
         check_file(where, PICTURE_BYTES)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # max_pixels decides, and a damaged file is an error or a shape
-            with Image.open(where, formats=FORMATS) as image:
+            with Image.open(where, formats=PICTURE_FORMATS) as image:
                 if image.width * image.height > max_pixels:
                     raise SilhouetteError(
                         "too-large",
@@ -77,7 +77,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
     except UnidentifiedImageError as error:
         raise SilhouetteError(
             "not-a-picture",
-            f"{where}: the content is none of {', '.join(FORMATS)}; convert it to PNG, or remove the file "
+            f"{where}: the content is none of {', '.join(PICTURE_FORMATS)}; convert it to PNG, or remove the file "
             "(an SVG file is read by Shape.from_svg)",
         ) from error
     except (Image.DecompressionBombError, TooManyBytes) as error:

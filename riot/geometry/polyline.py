@@ -64,8 +64,8 @@ def arc_length(points: FloatArray) -> FloatArray:
 def swept_area(points: FloatArray) -> FloatArray:
     """Signed area swept by the ray from the origin to a closed polygon, from vertex 0 to each vertex, (m + 1,).
 
-    The last is the polygon's area; the region between a stretch of boundary and its chord has the difference of two
-    entries, plus the chord's own triangle with the origin.
+    The last is the polygon's area; the region between a section of boundary and its chord has the difference of two
+    entries, plus the area of the chord's triangle with the origin.
     """
     following = shifted(points, 1)
     cross = points[:, 0] * following[:, 1] - points[:, 1] * following[:, 0]
@@ -139,7 +139,7 @@ def at_length(points: FloatArray, positions: FloatArray) -> FloatArray:
 def insert_midpoints(points: FloatArray, kept: IntArray, spacing: float) -> tuple[FloatArray, BoolArray]:
     """Sample a closed polygon: the ``kept`` vertices and midpoints along the boundary (paper §6).
 
-    Each stretch between consecutive kept vertices is halved, by arc length, until its parts are shorter than
+    Each interval between consecutive kept vertices is halved, by arc length, until its divisions are shorter than
     ``spacing``. ``kept`` are (k,) sorted indices, k ≥ 1.
 
     Returns
@@ -159,8 +159,8 @@ def insert_midpoints(points: FloatArray, kept: IntArray, spacing: float) -> tupl
 def spread(points: FloatArray, kept: IntArray, spacing: float) -> IntArray:
     """As `insert_midpoints`, but choosing among the polygon's own vertices: sorted indices, (n,) int64.
 
-    The vertex nearest to each midpoint, by arc length, stands for it. Where the polygon has no vertex to
-    offer, the spacing stays wider.
+    The vertex nearest to each midpoint, by arc length, replaces it. Where the polygon has too few vertices, the
+    spacing stays wider.
     """
     lengths = arc_length(points)
     positions, is_kept = halved(lengths[kept], float(lengths[-1]), float(spacing))

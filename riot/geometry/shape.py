@@ -13,8 +13,8 @@ import numpy.typing as npt
 from riot.errors import SilhouetteError
 from riot.types import BoolArray, FloatArray
 
-AREA_TOLERANCE = 1e-6
-"""By how much a shape's area may differ from 1."""
+UNIT_AREA_TOLERANCE = 1e-6
+"""Greatest difference of a shape's area from 1. Ours: far above rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class Shape:
             )
         x, y = points.T
         area = 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
-        if not abs(area - 1.0) < AREA_TOLERANCE:
+        if not abs(area - 1.0) < UNIT_AREA_TOLERANCE:
             raise SilhouetteError(
                 "degenerate",
                 f"{self._who}: the points enclose {area:.6g}, not 1 counter-clockwise; use Shape.from_polygon",

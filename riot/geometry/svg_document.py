@@ -1,6 +1,6 @@
 """SVG file → XML tree that is safe and simple to draw: no declarations, no other files, no hidden content drawn.
 
-What is no geometry (scripts, text, embedded pictures, animation) is taken out before anything interprets the tree.
+Scripts, text, embedded pictures and animation are removed before anything interprets the tree.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from riot.geometry.machine_errors import is_of_machine
 NAMESPACE = "http://www.w3.org/2000/svg"
 
 _MAX_DRAWN = 100_000
-"""Elements, and pairs of coordinates, that may be drawn after all ``<use>`` references are followed."""
+"""Greatest number of elements and points after all ``<use>`` references are followed. Ours: it bounds the time."""
 
 _MAX_STYLE = 10_000
-"""Characters of all style sheets together: what interprets them takes time that grows with the square."""
+"""Greatest length of all style sheets together, characters. Ours: the parser's time grows with the square."""
 
 _MAX_ATTRIBUTE = 2_000
-"""Characters of an attribute that holds no path, for the same reason."""
+"""Greatest length of an attribute that is no path, characters. Ours, for the same reason."""
 
 _MAX_ATTRIBUTES = 2_000_000
-"""Characters of all such attributes together."""
+"""Greatest length of all such attributes together, characters. Ours."""
 
 _MAX_DIGITS = 64
-"""Digits on end in a number: many times what a coordinate can have."""
+"""Greatest number of digits in a row. Ours: several times as many as a coordinate can have."""
 
 _HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
 _GEOMETRY = ("d", "points")

@@ -25,7 +25,7 @@ from riot.scores.ragged import joined, joined_offsets
 from riot.scores.trunk_stack import TrunkStack, lay_out_forest
 
 CELL_LEAVES = 128
-"""Leaves of a cell. Ours: any number gives the same result, this one a quick search on MPEG-7."""
+"""Leaves of a cell. Ours: any number gives the same result."""
 
 KEPT_CELL_ARRAYS = ("trunks", "leaves", "groups")
 """Arrays of the cells that are stored; to lay out the others takes less time than to read and check them."""
