@@ -35,6 +35,11 @@ def make_conjugate(trunk_p: FloatArray, trunk_q: FloatArray) -> tuple[FloatArray
 
 
 def is_convex(polygon: FloatArray) -> bool:
-    """Whether an (n, 2) polygon is strictly convex, counter-clockwise and goes round once."""
+    """Whether an (n, 2) polygon is strictly convex, counter-clockwise and goes round once.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> is_convex(square), is_convex(square[::-1])
+    (True, False)
+    """
     least, turn = turns(np.ascontiguousarray(polygon))
     return bool(least > 0.0 and abs(turn - 2.0 * np.pi) < FULL_TURN_TOLERANCE)

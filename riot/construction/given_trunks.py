@@ -21,6 +21,13 @@ def given_pair(
 
     They may lie ``snap`` from the outline, in units of ``D_c``; ``reach`` as in `TrunkPair`. Raises TrunkError if they
     are not finite, lie farther off, differ in number, or do not run around the outlines in opposite directions.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> base, ends = [[0, 0], [4, 0], [2, 5]], [[-2, 0], [0, 3], [2, 0]]  # one runs counter-clockwise, one clockwise
+    >>> given_pair(house, kite, house.from_source(base), kite.from_source(ends), 0.1, 0.1).corners.shape
+    (2, 3, 2)
     """
     try:
         wanted = [np.asarray(trunk, dtype=np.float64) for trunk in (trunk_a, trunk_b)]

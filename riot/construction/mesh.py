@@ -49,6 +49,10 @@ def mesh_convex(polygon: FloatArray, spacing: float) -> Mesh:
 
     The triangles between the polygon's middle and its edges are all divided alike, into r² similar ones, so that they
     fit together and need no search: the mesh turns, moves and grows with the polygon.
+
+    >>> mesh = mesh_convex(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), 0.1)
+    >>> bool(mesh.points.shape[0] > 100)
+    True
     """
     n = len(polygon)
     triangle = np.sqrt(0.1875) * spacing**2  # half a cell of the triangular grid

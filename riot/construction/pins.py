@@ -101,7 +101,15 @@ def load_pins(path: str | os.PathLike[str], p: Shape, q: Shape) -> Pins:
 
 
 def pins_from_json(text: str, p: Shape, q: Shape, where: str = "text") -> Pins:
-    """As `load_pins`, from text; ``where`` names it in errors."""
+    """As `load_pins`, from text; ``where`` names it in errors.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> text = '{"format": "riot-pins", "version": 1, "frame": "source", "p": [{"keep": [[2, 5]]}]}'
+    >>> len(pins_from_json(text, house, kite).p)
+    1
+    """
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:

@@ -139,6 +139,14 @@ def plan_pair(pair: TrunkPair, lines: int = RefineParameters.bound_lines) -> Con
     """Make the trunks conjugate with the least movement of their vertices, and bound the IoU by so many scanlines.
 
     Raises ConstructionError if the trunks cannot be made conjugate and convex.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> from riot.construction import alternatives
+    >>> pair = alternatives(house, kite)[0].pair
+    >>> 0.0 < plan_pair(pair).bound < 1.0
+    True
     """
     for name, trunk in (("P", pair.corners[0]), ("Q", pair.corners[1, ::-1])):
         if not is_convex(trunk):

@@ -40,6 +40,14 @@ def refine(plan: ConstructionPlan, steps: int, parameters: RefineParameters) -> 
     """Move the trunks of a plan in at most so many steps; returns the plan itself if that hardly raises its bound.
 
     No corner moves farther than ``parameters.slide`` along either axis. Ours (theory §7).
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> from riot.construction import alternatives
+    >>> plan = alternatives(house, kite)[0]
+    >>> refine(plan, 8, RefineParameters()).bound >= plan.bound
+    True
     """
     best = plan.trunks
     for sharpness in SHARPNESS:

@@ -169,6 +169,14 @@ def construct_plans(
 
     A plan whose bound is no higher than an IoU that is reached is left out. An exact transform must pass its
     certificate. Raises ConstructionError with the first reason if no plan gives a transform.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> from riot.construction import alternatives
+    >>> plan = alternatives(house, kite)[0]
+    >>> len(construct_plans([plan], [], ConstructParameters()))  # pieces
+    4
     """
     best: Transform | None = None
     best_iou = -1.0

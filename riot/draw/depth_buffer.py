@@ -16,6 +16,10 @@ def nearest_triangles(corners: FloatArray, rows: int, columns: int) -> IntArray:
     """(rows, columns) which of the triangles (f, 3, 3) is seen at each pixel's middle, −1 for none.
 
     ``corners`` are columns, rows, and how near; a triangle that is clockwise is seen from behind, and not drawn.
+
+    >>> triangle = np.array([[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]])
+    >>> nearest_triangles(triangle, 4, 5)[1].tolist()
+    [0, 0, 0, -1, -1]
     """
     depth = np.full(rows * columns, -np.inf)
     nearest = np.full(rows * columns, -1, dtype=np.int64)

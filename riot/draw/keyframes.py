@@ -24,14 +24,22 @@ class Keyframes:
 
 
 def eased(frames: int) -> FloatArray:
-    """(frames + 1,) times from 0 to 1, slow at both ends."""
+    """(frames + 1,) times from 0 to 1, slow at both ends.
+
+    >>> eased(2).round(9).tolist()
+    [0.0, 0.5, 1.0]
+    """
     steps = np.linspace(0.0, 1.0, frames + 1)
     times: FloatArray = 0.5 - 0.5 * np.cos(np.pi * steps)
     return times
 
 
 def loop_seconds(frames: int) -> float:
-    """Length of a loop of ``frames`` each way."""
+    """Length of a loop of ``frames`` each way.
+
+    >>> loop_seconds(40)
+    8.0
+    """
     return LOOP_SECONDS * (frames + PAUSE_FRAMES) / (WAY_FRAMES + PAUSE_FRAMES)
 
 
@@ -79,7 +87,13 @@ def _middle(origins: FloatArray, edges: FloatArray) -> FloatArray:
 
 
 def frame_count(motion: Motion, frames: int = WAY_FRAMES) -> int:
-    """How many frames one way needs, at least ``frames``, so that between `eased` times no piece turns too far."""
+    """How many frames one way needs, at least ``frames``, so that between `eased` times no piece turns too far.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> from riot.motion import motion_of
+    >>> frame_count(motion_of(exact_transform(dudeney()))) >= 40
+    True
+    """
     fine = keyframes(motion, eased(8 * frames)).headings
     fastest = float(np.abs(np.diff(fine, axis=0)).max()) * 8.0
     return max(frames, math.ceil(frames * fastest / MAX_TURN))
@@ -92,7 +106,13 @@ def swept_box(drawn: Transform, poses: Keyframes, margin: float) -> Box:
 
 
 def painting_order(motion: Motion) -> list[int]:
-    """The pieces in the order in which they are painted: by plane, then along the chain from the open hinge."""
+    """The pieces in the order in which they are painted: by plane, then along the chain from the open hinge.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> from riot.motion import motion_of
+    >>> sorted(painting_order(motion_of(exact_transform(dudeney()))))
+    [0, 1, 2, 3]
+    """
     n = len(motion.chain.lengths)
     top = motion.levels.max(axis=0)
     return sorted(range(n), key=lambda i: (top[i], (i - motion.open_hinge) % n))

@@ -69,11 +69,19 @@ PENS: Mapping[str, Pen] = MappingProxyType(
 
 
 def hue(piece: int, count: int) -> int:
-    """Index into `PIECES` for one piece of ``count``; the last never looks like the first, its neighbour."""
+    """Index into `PIECES` for one piece of ``count``; the last never looks like the first, its neighbour.
+
+    >>> [hue(piece, 9) for piece in range(9)]
+    [0, 1, 2, 3, 4, 5, 6, 7, 4]
+    """
     k = piece % len(PIECES)
     return len(PIECES) // 2 if piece > 0 and piece == count - 1 and k == 0 else k
 
 
 def colour(name: str, scheme: Mapping[str, str]) -> str:
-    """The ``#rrggbb`` of a named colour."""
+    """The ``#rrggbb`` of a named colour.
+
+    >>> colour("paper", LIGHT), colour("piece0", LIGHT)
+    ('#ffffff', '#4683c5')
+    """
     return PIECES[int(name[5:])] if name.startswith("piece") else scheme[name]

@@ -19,6 +19,10 @@ def sketch(transform: Transform, tolerance: float = SKETCH_TOLERANCE) -> Transfo
     """The transform with the detail that no picture shows left out of its pieces and inputs.
 
     For pictures only: arcs are simplified piece by piece, so it is not exact any more.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> len(sketch(exact_transform(dudeney())))  # pieces
+    4
     """
     pieces = tuple(
         Piece(piece.length, _thin(piece.lower, tolerance), _thin(piece.upper, tolerance)) for piece in transform.pieces

@@ -184,6 +184,10 @@ def swept(points: FloatArray, headings: FloatArray, origins: FloatArray) -> Box:
 
 
 def around(boxes: Iterable[Box], margin: float = 0.0) -> Box:
-    """The smallest box around boxes, and a margin."""
+    """The smallest box around boxes, and a margin.
+
+    >>> around([(0.0, 0.0, 1.0, 1.0), (2.0, 0.0, 3.0, 0.5)], 0.5)
+    (-0.5, -0.5, 3.5, 1.5)
+    """
     x0, y0, x1, y1 = zip(*boxes, strict=True)
     return min(x0) - margin, min(y0) - margin, max(x1) + margin, max(y1) + margin

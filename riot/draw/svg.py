@@ -37,12 +37,22 @@ _FORBIDDEN = dict.fromkeys(
 
 
 def escape(text: str) -> str:
-    """Text for XML and HTML, between tags or within quotes; characters that XML forbids become U+FFFD."""
+    """Text for XML and HTML, between tags or within quotes; characters that XML forbids become U+FFFD.
+
+    >>> escape("P & Q")
+    'P &amp; Q'
+    """
     return html.escape(text.translate(_FORBIDDEN), quote=True)
 
 
 def document(scene: Scene, width: int = 960, scheme: Mapping[str, str] = LIGHT, codec: str = "JPEG") -> str:
-    """The scene as a whole SVG file, ``width`` pixels wide at its natural size, its textures as JPEG or PNG."""
+    """The scene as a whole SVG file, ``width`` pixels wide at its natural size, its textures as JPEG or PNG.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> from riot.draw.figure import figure_scene
+    >>> document(figure_scene(exact_transform(dudeney())))[:4]
+    '<svg'
+    """
     prefix = naming(scene.pieces, scene.images)
     return f"{opening(scene, prefix, width, scheme, codec=codec)}{painted(scene, prefix)}{CLOSING}"
 
@@ -155,7 +165,11 @@ def painted(scene: Scene, prefix: str) -> str:
 
 
 def path_data(points: FloatArray, closed: bool = True) -> str:
-    """Path data of (k, 2) points, y up: whole numbers, relative after the first, repeated points left out."""
+    """Path data of (k, 2) points, y up: whole numbers, relative after the first, repeated points left out.
+
+    >>> path_data(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
+    'M0 0l1000 0-1000-1000z'
+    """
     grid = np.rint(points * [UNITS, -UNITS]).astype(np.int64)
     steps = np.diff(grid, axis=0)
     steps = steps[(steps != 0).any(axis=1)]
@@ -166,13 +180,21 @@ def path_data(points: FloatArray, closed: bool = True) -> str:
 
 
 def turn(heading: float) -> str:
-    """Degrees, clockwise as SVG has them, of a heading in radians; within a full turn either way."""
+    """Degrees, clockwise as SVG has them, of a heading in radians; within a full turn either way.
+
+    >>> turn(math.pi / 2)
+    '-90'
+    """
     degrees = round(-math.degrees(math.remainder(heading, 2.0 * math.pi)), 2)
     return f"{degrees + 0.0:.6g}"
 
 
 def translation(x: float, y: float) -> str:
-    """A point, y up, as the two numbers of a translation."""
+    """A point, y up, as the two numbers of a translation.
+
+    >>> translation(0.5, 1.0)
+    '500 -1000'
+    """
     return f"{_whole(x)} {_whole(-y)}"
 
 

@@ -62,6 +62,11 @@ def make_bodies(transform: Transform, parameters: MotionParameters) -> Bodies:
 
     A body contains its piece shrunk by half the gap (what is narrower than the gap vanishes). It lies in the piece
     shrunk by 0.6 of that, so that no two bodies touch in either closed chain.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> bodies = make_bodies(exact_transform(dudeney()), MotionParameters())
+    >>> len(bodies.bodies) - 1  # three of each of four pieces
+    12
     """
     side = max(extent(transform.outline_p()), extent(transform.outline_q()))
     gap, relief = parameters.gap * side, parameters.relief * side

@@ -68,14 +68,22 @@ class Chain:
 
 
 def rotate(points: FloatArray, angle: float) -> FloatArray:
-    """Turn (k, 2) points about the origin, counter-clockwise, by ``angle`` radians."""
+    """Turn (k, 2) points about the origin, counter-clockwise, by ``angle`` radians.
+
+    >>> rotate(np.array([[1.0, 0.0]]), math.pi / 2).round(9).tolist()
+    [[0.0, 1.0]]
+    """
     c, s = math.cos(angle), math.sin(angle)
     turned: FloatArray = points @ np.array([[c, s], [-s, c]])
     return turned
 
 
 def direction(heading: float) -> FloatArray:
-    """(2,) unit vector of a heading in radians."""
+    """(2,) unit vector of a heading in radians.
+
+    >>> direction(math.pi).round(9).tolist()
+    [-1.0, 0.0]
+    """
     return np.array([math.cos(heading), math.sin(heading)])
 
 

@@ -30,7 +30,13 @@ def record_history(maker: str, pictures: tuple[Path, Path], steps: Mapping[str, 
 
 
 def file_digest(path: Path) -> str:
-    """SHA-256 of a file, in hexadecimal."""
+    """SHA-256 of a file, in hexadecimal.
+
+    >>> path = Path("empty")
+    >>> path.touch()
+    >>> file_digest(path)[:8]
+    'e3b0c442'
+    """
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

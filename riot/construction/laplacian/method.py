@@ -30,6 +30,14 @@ def construct_laplacian(plan: ConstructionPlan, parameters: ConstructParameters)
     overlap and leave gaps, so that the certificate fails, and they may cross themselves where a neighbour has squeezed
     them; `riot.construction.laplacian.residual.residuals` tells how much. The bounds are those of an exact
     construction.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> from riot.construction import alternatives
+    >>> plan = alternatives(house, kite)[0]
+    >>> construct_laplacian(plan, ConstructParameters()).certificate().passed  # it never is exact
+    False
     """
     pair = plan.pair
     below, _ = tile(pair.outline_p, pair.trunk_p, plan.trunk_q, parameters)

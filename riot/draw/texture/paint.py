@@ -175,7 +175,13 @@ def picture_texture(
 
 
 def pattern_texture(pattern: Pattern, transform: Transform, side: Side) -> PatternTexture:
-    """A generated texture of the assembled P (side "p") or Q ("q"), in the side's tints; ValueError for no pattern."""
+    """A generated texture of the assembled P (side "p") or Q ("q"), in the side's tints; ValueError for no pattern.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> texture = pattern_texture("stripes", exact_transform(dudeney()), "p")
+    >>> texture.colours(0, np.zeros((1, 2)), 0.01).shape
+    (1, 3)
+    """
     if pattern not in PATTERNS:
         raise ValueError(f"there is no pattern {pattern!r}: choose {', '.join(PATTERNS)}")
     outline = transform.outline_p() if side == "p" else transform.outline_q()

@@ -24,6 +24,12 @@ def piece_images(transform: Transform, textures: Mapping[Side, Texture], step: f
 
     P's is what is seen of the pieces from the front, at all moments of the motion; Q's is on their back, and is given
     as Q's own picture has it, not mirrored.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> from riot.draw.texture.paint import pattern_texture
+    >>> transform = exact_transform(dudeney())
+    >>> len(piece_images(transform, {"p": pattern_texture("bands", transform, "p")}, step=0.05)["p"])
+    4
     """
     return {side: _sampled(transform, side, texture, step) for side, texture in textures.items()}
 

@@ -93,6 +93,11 @@ def warp_side(transform: Transform, side: Side) -> Warp:
     """The map of the assembled P to the input P (side "p"), or of Q to Q ("q").
 
     Raises WarpError if the assembled shape's outline crosses itself: such a transform has no certificate.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> warp = warp_side(exact_transform(dudeney()), "p")
+    >>> bool(abs(warp(np.zeros((1, 2)))).max() < 1e-9)  # an exact transform moves nothing
+    True
     """
     n = len(transform)
     if side == "p":
