@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from riot.cli.print_puzzle import add_print
+from riot.cli.size_options import name_options
 from riot.cli.slices import add_slices
 from riot.construction.pins import load_pins
 from riot.construction.plan import ConstructionPlan
@@ -66,7 +67,8 @@ def main(arguments: Sequence[str] | None = None, more: Sequence[Callable[[Comman
     try:
         code: int = chosen.run(chosen)
     except RiotError as error:
-        print(f"riot: {error}", file=sys.stderr)
+        text = name_options(str(error)) if chosen.command == "print" else str(error)
+        print(f"riot: {text}", file=sys.stderr)
         return 2
     except OSError as error:
         message = f"{error.filename}: {error.strerror}; check the path" if error.filename and error.strerror else error

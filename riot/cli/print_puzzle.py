@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from riot.cli.size_options import add_sizes, chosen_sizes
+from riot.cli.size_options import add_sizes, chosen_sizes, name_options
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.texture.names import PATTERNS, SIDES
 from riot.errors import FabricationError
@@ -79,9 +79,9 @@ def print_puzzle(
     certificate = puzzle.certificate
     Console().print(certificate.table())
     for line in (*certificate.words(), *(f"changed: {words}" for words in puzzle.changes)):
-        print(line)
+        print(name_options(line))
     for words in puzzle.design.warnings:
-        print(f"warning: {words}")
+        print(f"warning: {name_options(words)}")
     print(f"certificate: {'passed' if certificate.passed else 'failed'}")
     if not certificate.passed:
         raise FabricationError("uncertified", "; ".join(certificate.failures))

@@ -29,7 +29,7 @@ MENDED = ("size_mm", "pin_mm", "wall_mm")
 
 @dataclass(frozen=True)
 class FabricationCertificate:
-    """What was verified of a design and its solids."""
+    """The checks of a design and its solids, and their results."""
 
     parts: tuple[PartCheck, ...]
     hinges: tuple[HingeCheck, ...]
@@ -37,22 +37,22 @@ class FabricationCertificate:
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """Which checks fail, in words: the part or the hinge, the pose, and the parameter that would mend it."""
+        """Messages of the checks that fail: each names the part or hinge, the pose, and the parameter that mends it."""
         check_failures = [check.failures for check in self.parts] + [check.failures for check in self.hinges]
         return tuple(words for of_check in (*check_failures, self.motion.failures) for words in of_check)
 
     @property
     def passed(self) -> bool:
-        """Whether none fails."""
+        """Whether no check fails."""
         return not self.failures
 
     @property
     def wall(self) -> float:
-        """The narrowest of all pieces, mm."""
+        """Least width of all pieces, mm."""
         return min(check.wall for check in self.parts if not math.isnan(check.wall))
 
     def table(self) -> Table:
-        """For the terminal: a row a part, then the hinges, then the motion."""
+        """Return a table for the terminal with one row for each part."""
         table = Table(
             "part",
             "count",
@@ -75,7 +75,7 @@ class FabricationCertificate:
         return table
 
     def words(self) -> list[str]:
-        """The hinges and the motion, a line each."""
+        """Describe each hinge and the motion, one line for each."""
         lines = [
             f"hinge {check.hinge}: {check.kind}, {check.axial_gap:.2f} mm along the axis, "
             f"{check.male_gap:.2f} and {check.female_gap:.2f} mm around it"
@@ -89,7 +89,7 @@ class FabricationCertificate:
 
 
 def certify(design: Design, parts: tuple[Part, ...] | None = None) -> FabricationCertificate:
-    """Verify a design and its solids (`riot.fabricate.solid.make_parts`; made now without ``parts``)."""
+    """Verify a design and its solids; without ``parts`` make its solids first."""
     parts = make_parts(design) if parts is None else parts
     pieces = {piece.name: piece for piece in design.pieces}
     return FabricationCertificate(
@@ -101,7 +101,7 @@ def certify(design: Design, parts: tuple[Part, ...] | None = None) -> Fabricatio
 
 @dataclass(frozen=True, eq=False)
 class BuiltPuzzle:
-    """A design with its solids and their certificate, and what `fix` changed of the parameters asked for, in words."""
+    """A design with its solids and their certificate, and the parameters that `fix` changed, in words."""
 
     design: Design
     parts: tuple[Part, ...]
@@ -110,7 +110,7 @@ class BuiltPuzzle:
 
 
 def build(transform: Transform, parameters: FabricationParameters | None = None) -> BuiltPuzzle:
-    """Design, build and verify with just these parameters; the certificate of what comes back may fail.
+    """Design, build and verify a puzzle with exactly these parameters; its certificate may fail.
 
     Raises `riot.errors.FabricationError` for what cannot exist.
     """
@@ -145,7 +145,7 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None, *
 
 
 def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) -> FabricationParameters | None:
-    """What to try next; None if all is tried.
+    """Return the parameters to try next, or None if none is left.
 
     Where a knuckle hangs on little its wall is thickened: no size widens a narrow corner. Else the pin comes first,
     which keeps the size that was asked for.
@@ -165,7 +165,7 @@ def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) 
 
 
 def _hopeless(error: FabricationError, changes: tuple[str, ...]) -> FabricationError:
-    """The error of the last try with what was tried before it."""
+    """Return the error of the last try with the changes that were tried."""
     if not changes:
         return error
     message = f"{error} (tried with {', '.join(changes)})"

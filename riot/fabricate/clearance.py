@@ -1,4 +1,4 @@
-"""How near the pieces of one plane come to each other on their way: sampled, and proven for every moment. Ours."""
+"""The gaps between pieces of one plane during the motion: sampled, and proven for every moment. Ours."""
 
 from __future__ import annotations
 
@@ -106,8 +106,11 @@ def pair_gaps(sub_chain: SubChain, regions: Regions, i: int, j: int) -> FloatArr
 
 @dataclass(frozen=True)
 class Proof:
-    """Whether pieces stay apart at every moment of the motion, up to which time that is shown, and at how many poses of
-    two pieces they were looked at."""
+    """A proof that pieces stay apart at every moment of the motion.
+
+    ``complete`` tells whether the proof reaches the end of the motion, ``time`` how far it reaches, and ``examined``
+    how many poses of two pieces it examines.
+    """
 
     complete: bool
     time: float

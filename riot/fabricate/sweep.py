@@ -1,4 +1,4 @@
-"""What knuckles sweep along the planned motion: other pieces make room for them, other knuckles cannot. Ours."""
+"""What knuckles sweep along the planned motion: other pieces give way; other knuckles stay out. Ours."""
 
 from __future__ import annotations
 

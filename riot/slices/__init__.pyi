@@ -3,6 +3,7 @@ from . import files as files
 from . import make as make
 from . import model as model
 from . import picture as picture
+from . import tuning as tuning
 from .assign import Shortlist as Shortlist
 from .assign import shortlists as shortlists
 from .cut import Cut as Cut

@@ -1,8 +1,8 @@
 """A solid cut into thick parallel slices, each with straight walls: what is cut is its section half-way up. Ours.
 
 The section half-way up, not the slab's shadow: areas times thickness then add up to the volume as the midpoint rule
-does, and the stack is nearest to the object. A slice becomes one piece of outline: the largest part of the section,
-its holes filled, for a shape is one simple polygon. What that leaves out and adds is told.
+does, and the stack is nearest to the object. A slice becomes one outline: the largest polygon of the section,
+without its holes, because a shape is one simple polygon. `Slice` tells the area that this leaves out and adds.
 """
 
 from __future__ import annotations
@@ -20,18 +20,14 @@ from riot.geometry.shape import Shape
 from riot.geometry.silhouette import polygon_shape
 from riot.parameters import ShapeParameters
 from riot.slices.model import Model
+from riot.slices.tuning import BETTER_IOU, GREATEST_COUNT, SECTIONS_PER_SLICE
 from riot.types import FloatArray
 
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("z", "x", "y")
-"""In this order one is preferred to the next that is no better."""
+"""An earlier direction is preferred to a later one that is no better."""
 
-MAX_COUNT = 200
 
-SAMPLES = 4
-"""Sections of every slice at which the stack is compared with the object."""
-
-_BETTER = 1e-6
 _TURNS: dict[Axis, tuple[int, int, int]] = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 """Which coordinates of the file become x, y and z of the stack: turns by a third, nothing is mirrored."""
 
@@ -67,15 +63,15 @@ class Cut:
     layer: float = 0.2
 
     def __post_init__(self) -> None:
-        """Refuse what no object could be cut by."""
+        """Raise `ModelError` for numbers by which no object can be cut."""
         for name, unit in (("count", ""), ("thickness", " mm"), ("size", " mm"), ("layer", " mm")):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise ModelError("sizes", f"{name} is {value:g}{unit}: give a number above 0")
         if self.count is None and self.thickness is None:
             raise ModelError("sizes", "neither count nor thickness is given: give one of them, or both")
-        if self.count is not None and self.count > MAX_COUNT:
-            raise ModelError("sizes", f"{self.count} slices are more than {MAX_COUNT}: give a smaller count")
+        if self.count is not None and self.count > GREATEST_COUNT:
+            raise ModelError("sizes", f"{self.count} slices are more than {GREATEST_COUNT}: give a smaller count")
         if None not in (self.count, self.thickness, self.size):
             count, thickness, size = self.count or 0, self.thickness or 0.0, self.size or 0.0
             if abs(count * thickness - size) > count * self.layer:
@@ -92,11 +88,11 @@ class Cut:
         assert thickness is not None
         thickness = round(max(1, round(thickness / self.layer)) * self.layer, 9)
         count = max(1, round(size / thickness)) if self.count is None else self.count
-        if count > MAX_COUNT:
+        if count > GREATEST_COUNT:
             raise ModelError(
                 "sizes",
-                f"an object of {size:g} mm would be {count} slices of {thickness:g} mm, more than {MAX_COUNT}: give a "
-                "greater thickness or a smaller size",
+                f"an object of {size:g} mm would be {count} slices of {thickness:g} mm, more than {GREATEST_COUNT}: "
+                "give a greater thickness or a smaller size",
             )
         return count, thickness
 
@@ -114,7 +110,7 @@ class Slice:
     section : shapely.Geometry
         The object's, half-way up.
     outline : shapely.Polygon
-        What becomes a shape: its largest part, holes filled.
+        What becomes a shape: the largest polygon of the section, without its holes.
     """
 
     number: int
@@ -130,12 +126,12 @@ class Slice:
 
     @property
     def filled(self) -> float:
-        """Area of the holes that are filled, mm², and of what stands in them."""
+        """Area of the section's holes, which the outline covers, mm²."""
         return max(0.0, self.area - float(shapely.intersection(self.section, self.outline).area))
 
     @property
     def lost(self) -> float:
-        """Area of the other parts, which are left out, mm²."""
+        """Area of the section outside the outline, which the slice leaves out, mm²."""
         return float(shapely.difference(self.section, self.outline).area)
 
     def shape(self, name: str, parameters: ShapeParameters | None = None) -> Shape:
@@ -161,7 +157,7 @@ class Stack:
         The object in the stack's frame, mm.
     slices : tuple of Slice
     iou : float
-        Volume that stack and object share, over that of both together, at `SAMPLES` sections a slice.
+        Volume that stack and object share, over that of both together, at `SECTIONS_PER_SLICE` sections a slice.
     """
 
     name: str
@@ -199,7 +195,7 @@ def cut(model: Model, how: Cut) -> Stack:
         except ModelError as caught:
             error = error or caught
             continue
-        if best is None or stack.iou > best.iou + _BETTER:
+        if best is None or stack.iou > best.iou + BETTER_IOU:
             best = stack
     if best is None:
         assert error is not None
@@ -251,7 +247,7 @@ def _slice(solid: manifold3d.Manifold, k: int, thickness: float, count: int, whe
 def _iou(solid: manifold3d.Manifold, slices: tuple[Slice, ...]) -> float:
     shared = both = 0.0
     for slice_ in slices:
-        for share in (np.arange(SAMPLES) + 0.5) / SAMPLES:
+        for share in (np.arange(SECTIONS_PER_SLICE) + 0.5) / SECTIONS_PER_SLICE:
             here = section(solid, slice_.low + float(share) * (slice_.high - slice_.low))
             common = float(shapely.intersection(here, slice_.outline).area)
             shared += common

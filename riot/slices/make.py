@@ -22,10 +22,8 @@ from riot.motion.planner import with_motion
 from riot.parameters import ConstructParameters, FabricationParameters, ShapeParameters, allowed_range
 from riot.slices.assign import Planned, Shortlist, assign, plan_slice
 from riot.slices.cut import Slice, Stack
+from riot.slices.tuning import MOST_ATTEMPTS
 from riot.transform.transform import Transform
-
-ATTEMPTS = 4
-"""A slice takes so many counterparts at most, one after another, until one can be made."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +141,7 @@ def _rounds(
                 costs[k, column] = row[name].deformation
     puzzles: dict[int, Puzzle] = {}
     attempts: dict[int, list[Attempt]] = {}
-    for _ in range(ATTEMPTS):
+    for _ in range(MOST_ATTEMPTS):
         chosen = assign(costs, distinct=distinct)
         if (chosen < 0).all():
             break

@@ -13,17 +13,10 @@ import manifold3d
 import numpy as np
 
 from riot.errors import ModelError as ModelError
+from riot.slices.tuning import GREATEST_BYTES, GREATEST_COORDINATE_MM, GREATEST_TRIANGLES
 from riot.types import FloatArray, IntArray
 
 SUFFIXES = (".stl", ".3mf", ".obj")
-
-MAX_BYTES = 1 << 29
-"""Greatest size of a file, and of what a 3MF file, which is a zip, holds unpacked."""
-
-MAX_TRIANGLES = 5_000_000
-
-_HUGE = 1e9
-"""Coordinates in mm beyond this are not meant in earnest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,15 +66,16 @@ def read_model(path: str | os.PathLike[str]) -> Model:
 
 def _check_size(path: Path) -> None:
     size = path.stat().st_size
-    if size <= MAX_BYTES and path.suffix.lower() == ".3mf":
+    if size <= GREATEST_BYTES and path.suffix.lower() == ".3mf":
         try:
             with zipfile.ZipFile(path) as archive:
                 size = sum(entry.file_size for entry in archive.infolist())
         except zipfile.BadZipFile as error:
             raise ModelError("unreadable", f"{path}: damaged, or no 3MF file ({error}); export it anew") from error
-    if size > MAX_BYTES:
+    if size > GREATEST_BYTES:
         raise ModelError(
-            "too-large", f"{path}: holds {size >> 20} MiB, more than {MAX_BYTES >> 20}; export it with fewer triangles"
+            "too-large",
+            f"{path}: holds {size >> 20} MiB, more than {GREATEST_BYTES >> 20}; export it with fewer triangles",
         )
 
 
@@ -103,12 +97,14 @@ def _mesh(path: Path) -> tuple[FloatArray, IntArray]:
         raise ModelError("unreadable", f"{path}: damaged, or no {path.suffix[1:].upper()} file ({reason})") from error
     if len(triangles) == 0:
         raise ModelError("empty", f"{path}: holds no triangles; export a solid, not points, curves or a sketch")
-    if len(triangles) > MAX_TRIANGLES:
+    if len(triangles) > GREATEST_TRIANGLES:
         raise ModelError(
-            "too-large", f"{path}: holds {len(triangles):,} triangles, more than {MAX_TRIANGLES:,}; export fewer"
+            "too-large", f"{path}: holds {len(triangles):,} triangles, more than {GREATEST_TRIANGLES:,}; export fewer"
         )
-    if not np.isfinite(points).all() or np.abs(points).max() > _HUGE:
-        raise ModelError("unreadable", f"{path}: holds coordinates that are no numbers or beyond {_HUGE:g} mm")
+    if not np.isfinite(points).all() or np.abs(points).max() > GREATEST_COORDINATE_MM:
+        raise ModelError(
+            "unreadable", f"{path}: holds coordinates that are no numbers or beyond {GREATEST_COORDINATE_MM:g} mm"
+        )
     return points, triangles
 
 

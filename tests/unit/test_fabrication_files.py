@@ -172,8 +172,8 @@ class TestPrint:
     @pytest.mark.parametrize(
         ("options", "reason"),
         [
-            (["--size", "5"], "size_mm: must be 30 to 1000 mm, got 5.0"),
-            (SMALL, "enlarge size_mm (30)"),
+            (["--size", "5"], "--size: must be 30 to 1000 mm, got 5.0"),
+            (SMALL, "enlarge --size (30)"),
         ],
     )
     def test_says_why_it_cannot_be_made(
@@ -186,4 +186,4 @@ class TestPrint:
 
     def test_fixes_it_when_told_to(self, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["print", str(saved), "-o", str(tmp_path / "out"), *SMALL, "--fix"]) == 0
-        assert "changed: pin_mm: 1.75 instead of 8" in capsys.readouterr().out
+        assert "changed: --pin: 1.75 instead of 8" in capsys.readouterr().out

@@ -115,7 +115,7 @@ def test_parts_are_apart(puzzle_design: Design, kind: Kind) -> None:
     for i, region in enumerate(regions):
         assert region.is_valid
         for other in regions[:i]:
-            assert region.distance(other) > 0.99 * flat_module.APART_MM
+            assert region.distance(other) > 0.99 * flat_module.LASER_SPACE_MM
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -129,12 +129,12 @@ def test_what_is_too_large_is_refused_before_it_is_read(
 ) -> None:
     with zipfile.ZipFile(tmp_path / "bomb.3mf", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("3D/3dmodel.model", b" " * 3_000_000)
-    monkeypatch.setattr(model, "MAX_BYTES", 1 << 20)
+    monkeypatch.setattr(model, "GREATEST_BYTES", 1 << 20)
     assert (tmp_path / "bomb.3mf").stat().st_size < 10_000
     with pytest.raises(ModelError, match="holds 2 MiB, more than 1") as caught:
         read_model(tmp_path / "bomb.3mf")
     assert caught.value.reason == "too-large"
-    monkeypatch.setattr(model, "MAX_TRIANGLES", 10)
+    monkeypatch.setattr(model, "GREATEST_TRIANGLES", 10)
     with pytest.raises(ModelError, match="triangles, more than 10"):
         read_model(saved(cup, tmp_path / "cup.stl"))
 

@@ -23,7 +23,7 @@ from riot.fabricate.export.flat import FlatFormatError
 from riot.fabricate.export.page import page_scenes, write_page
 from riot.fabricate.export.paper import Frame
 from riot.fabricate.export.paperwork import write_paperwork
-from riot.fabricate.export.picture import DOTS_PER_INCH, EYE, draw_puzzle
+from riot.fabricate.export.picture import EYE, PICTURE_DOTS_PER_INCH, draw_puzzle
 from riot.fabricate.export.sheets import face, face_pixels, sheet_scenes, write_sheets
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.types import FloatArray
@@ -164,7 +164,7 @@ def png(path: Path) -> Image.Image:
 def test_picture_shows_the_faces_at_scale(puzzle_design: Design, tmp_path: Path, side: Side) -> None:
     draw_puzzle(puzzle_design, tmp_path / "whole.png", side, textures={side: Red()})
     pixels = np.asarray(png(tmp_path / "whole.png"))
-    shown = float((pixels == RED).all(axis=2).sum()) * (25.4 / DOTS_PER_INCH) ** 2
+    shown = float((pixels == RED).all(axis=2).sum()) * (25.4 / PICTURE_DOTS_PER_INCH) ** 2
     faces = sum(face(puzzle_design, i, side).area for i in range(len(puzzle_design.pieces))) * math.sin(EYE.elevation)
     assert 0.93 * faces < shown <= 1.001 * faces  # less what outlines cover
 

@@ -27,9 +27,9 @@ Kind = Literal["outlines", "layers"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 LAYERS = ("bottom", "middle", "top")
 
-FORMATS = (".svg", ".dxf")
+LASER_FORMATS = (".svg", ".dxf")
 
-APART_MM = 5.0
+LASER_SPACE_MM = 5.0
 """Between parts on a sheet, and around them."""
 
 SHEET_MM = 600.0
@@ -37,7 +37,7 @@ SHEET_MM = 600.0
 
 HAIRLINE_MM = 0.01
 
-DIGITS = 6
+FLAT_DIGITS = 6
 """Decimals of a coordinate in mm."""
 
 _MITRE = 10.0
@@ -78,7 +78,7 @@ def write_flat(design: Design, path: str | os.PathLike[str], kind: Kind = "outli
         ``telescopic``: layers of a design with telescopic hinges, which cannot be stacked from sheets.
     """
     target = Path(path)
-    if target.suffix.lower() not in FORMATS:
+    if target.suffix.lower() not in LASER_FORMATS:
         raise FlatFormatError(f"cannot write {target.name!r} for a laser: use a file name that ends in .svg or .dxf")
     parts = parts_of(design, kind, design.parameters.kerf_mm if kerf else 0.0)
     title = f"{design.transform.p.name or 'P'} and {design.transform.q.name or 'Q'}, {kind}"
@@ -93,7 +93,7 @@ def write_flat_files(design: Design, folder: Path, *, dxf: bool = True) -> list[
     """
     written = []
     for kind in KINDS if design.telescope is None else KINDS[:1]:
-        for suffix in FORMATS if dxf else FORMATS[:1]:
+        for suffix in LASER_FORMATS if dxf else LASER_FORMATS[:1]:
             for kerf in (False, True):
                 written.append(folder / f"laser-{kind}{'-kerf' if kerf else ''}{suffix}")
                 write_flat(design, written[-1], kind, kerf=kerf)
@@ -142,10 +142,13 @@ def _compensated(flat_part: FlatPart, kerf: float) -> FlatPart:
 def _apart(parts: Sequence[FlatPart]) -> list[FlatPart]:
     bounds = np.array([flat_part.region.bounds for flat_part in parts])
     sizes = bounds[:, 2:] - bounds[:, :2]
-    width = max(SHEET_MM, float(sizes[:, 0].max()) + 2 * APART_MM)
-    spots = shelves(sizes, width - 2 * APART_MM, np.inf, APART_MM)
+    width = max(SHEET_MM, float(sizes[:, 0].max()) + 2 * LASER_SPACE_MM)
+    spots = shelves(sizes, width - 2 * LASER_SPACE_MM, np.inf, LASER_SPACE_MM)
     return [
-        replace(flat_part, region=_moved(flat_part.region, spot.x + APART_MM - low[0], spot.y + APART_MM - low[1]))
+        replace(
+            flat_part,
+            region=_moved(flat_part.region, spot.x + LASER_SPACE_MM - low[0], spot.y + LASER_SPACE_MM - low[1]),
+        )
         for flat_part, spot, low in zip(parts, spots, bounds, strict=True)
     ]
 
@@ -165,7 +168,7 @@ def _rings(parts: Iterable[FlatPart]) -> tuple[list[tuple[str, FloatArray]], lis
 
 
 def _extent(parts: Sequence[FlatPart]) -> tuple[float, float]:
-    high = np.max([flat_part.region.bounds[2:] for flat_part in parts], axis=0) + APART_MM
+    high = np.max([flat_part.region.bounds[2:] for flat_part in parts], axis=0) + LASER_SPACE_MM
     return float(high[0]), float(high[1])
 
 
@@ -191,7 +194,7 @@ def _path(points: FloatArray, height: float) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
+    return f"{value:.{FLAT_DIGITS}f}".rstrip("0").rstrip(".")
 
 
 def dxf_module() -> Any:
@@ -216,10 +219,10 @@ def dxf_bytes(parts: Sequence[FlatPart]) -> bytes:
         for name, rings in zip(("holes", "outlines"), _rings(parts), strict=True):
             drawing.layers.add(name.upper(), color=_DXF_COLOURS[name], lineweight=0)
             for _, points in rings:
-                corners = np.round(points, DIGITS).tolist()
+                corners = np.round(points, FLAT_DIGITS).tolist()
                 space.add_lwpolyline(corners, close=True, dxfattribs={"layer": name.upper()})
         # The drawing's extent; its lower corner must not be the origin, which ezdxf takes for none.
-        space.reset_extents((APART_MM, APART_MM, 0.0), (*_extent(parts), 0.0))
+        space.reset_extents((LASER_SPACE_MM, LASER_SPACE_MM, 0.0), (*_extent(parts), 0.0))
         stream = io.StringIO()
         drawing.write(stream)
     finally:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from riot.fabricate.export.sheets import NAME
+from riot.fabricate.export.sheets import LONGEST_NAME
 
 if TYPE_CHECKING:
     from riot.fabricate.model import Design, HingeEnd
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def shape_names(design: Design) -> tuple[str, str]:
     """The names of P and Q, no longer than fits."""
     p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
-    return textwrap.shorten(p, NAME, placeholder="…"), textwrap.shorten(q, NAME, placeholder="…")
+    return textwrap.shorten(p, LONGEST_NAME, placeholder="…"), textwrap.shorten(q, LONGEST_NAME, placeholder="…")
 
 
 def steps(design: Design) -> list[str]:

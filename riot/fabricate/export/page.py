@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 210.0, 297.0
 """A4, mm."""
 
-MARGIN_MM = 15.0
+PAGE_MARGIN_MM = 15.0
 ROWS, COLUMNS = 2, 4
 """Of the poses of the swing."""
 
@@ -61,11 +61,11 @@ def page_scenes(design: Design) -> list[Scene]:
 def _pictures(design: Design) -> list[Mark]:
     """The first page."""
     names = shape_names(design)
-    width, top = WIDTH - 2 * MARGIN_MM, HEIGHT - MARGIN_MM
+    width, top = WIDTH - 2 * PAGE_MARGIN_MM, HEIGHT - PAGE_MARGIN_MM
     summary = f"{len(design.pieces)} pieces, {pins_in_words(design)}; the chain {design.motion.words}"
     marks: list[Mark] = [
-        text(MARGIN_MM, top - 5.0, f"{names[0]} ⇄ {names[1]}", 6.5, weight="bold"),
-        text(MARGIN_MM, top - 11.5, summary, 3.2, "note"),
+        text(PAGE_MARGIN_MM, top - 5.0, f"{names[0]} ⇄ {names[1]}", 6.5, weight="bold"),
+        text(PAGE_MARGIN_MM, top - 11.5, summary, 3.2, "note"),
     ]
     top -= 20.0
 
@@ -74,7 +74,7 @@ def _pictures(design: Design) -> list[Mark]:
     scale = min(_fit(frames, design, half, _SHAPES_MM) for frames in closed)
     high = max(_size(frames, design)[1] for frames in closed) * scale
     for k, (frames, name) in enumerate(zip(closed, names, strict=True)):
-        middle = MARGIN_MM + 0.5 * half + k * (half + 10.0)
+        middle = PAGE_MARGIN_MM + 0.5 * half + k * (half + 10.0)
         marks += _drawn(design, frames, scale, middle, top - 0.5 * high, numbers=True)
         marks.append(text(middle, top - high - 7.0, name, 3.6, anchor="middle", weight="bold"))
     marks.append(text(0.5 * WIDTH, top - high - 7.0, _ratio(scale), 2.8, "note", "middle"))
@@ -95,16 +95,16 @@ def _pictures(design: Design) -> list[Mark]:
 
 def _swing(design: Design, top: float) -> list[Mark]:
     """Poses of the motion in rows, all at one scale."""
-    names, width = shape_names(design), WIDTH - 2 * MARGIN_MM
+    names, width = shape_names(design), WIDTH - 2 * PAGE_MARGIN_MM
     times = np.linspace(0.0, 1.0, ROWS * COLUMNS)
     groups = [_frames(design, design.motion.pose_at(float(t))) for t in times]
     sizes = np.array([_size(frames, design) for frames in groups]).reshape(ROWS, COLUMNS, 2)
     wide, high = sizes[..., 0].sum(axis=1), sizes[..., 1].max(axis=1)
     marks: list[Mark] = []
-    height_left = top - MARGIN_MM - ROWS * _APART_MM - 4.0
+    height_left = top - PAGE_MARGIN_MM - ROWS * _APART_MM - 4.0
     scale = min((width - _APART_MM * (COLUMNS - 1)) / float(wide.max()), height_left / float(high.sum()), 1.0)
     for row in range(ROWS):
-        x, space = MARGIN_MM, (width - scale * float(wide[row])) / (COLUMNS - 1)
+        x, space = PAGE_MARGIN_MM, (width - scale * float(wide[row])) / (COLUMNS - 1)
         tall = scale * float(high[row])
         for column in range(COLUMNS):
             own = scale * float(sizes[row, column, 0])
@@ -131,29 +131,29 @@ def _lists(design: Design) -> list[list[Mark]]:
     lines += [("gap", ""), ("head", "Sizes"), *(("text", line) for line in sizes(design))]
 
     pages: list[list[Mark]] = [[]]
-    y = HEIGHT - MARGIN_MM
+    y = HEIGHT - PAGE_MARGIN_MM
     for kind, words in lines:
         step = {"head": 9.0, "gap": 3.0}.get(kind, 5.4)
-        if y - step < MARGIN_MM:
+        if y - step < PAGE_MARGIN_MM:
             pages.append([])
-            y = HEIGHT - MARGIN_MM
+            y = HEIGHT - PAGE_MARGIN_MM
         y -= step
         if kind == "head":
-            pages[-1].append(text(MARGIN_MM, y, words, 4.4, weight="bold"))
+            pages[-1].append(text(PAGE_MARGIN_MM, y, words, 4.4, weight="bold"))
             y -= 1.2
         elif kind == "row":
             pages[-1] += _row(design, y, words.split("\t"))
         elif kind == "text":
-            pages[-1].append(text(MARGIN_MM, y, words, 3.1))
+            pages[-1].append(text(PAGE_MARGIN_MM, y, words, 3.1))
     return pages
 
 
 def _row(design: Design, y: float, cells: Sequence[str]) -> list[Mark]:
     marks: list[Mark] = []
     if cells[0]:
-        swatch = shapely.box(MARGIN_MM, y - 0.8, MARGIN_MM + 4.0, y + 2.8)
+        swatch = shapely.box(PAGE_MARGIN_MM, y - 0.8, PAGE_MARGIN_MM + 4.0, y + 2.8)
         marks.append(region_mark(swatch, f"piece{hue(int(cells[0]) - 1, len(design.pieces))}"))
-    marks += [text(MARGIN_MM + x, y, words, 3.1) for x, words in zip((7.0, 14.0, 44.0, 76.0), cells, strict=True)]
+    marks += [text(PAGE_MARGIN_MM + x, y, words, 3.1) for x, words in zip((7.0, 14.0, 44.0, 76.0), cells, strict=True)]
     return marks
 
 

@@ -10,7 +10,7 @@ from riot.draw.texture.names import SIDES
 from riot.fabricate.export.flat import write_flat_files
 from riot.fabricate.export.page import write_page
 from riot.fabricate.export.picture import draw_puzzle
-from riot.fabricate.export.sheets import DOTS_PER_INCH, write_sheets
+from riot.fabricate.export.sheets import SHEET_DOTS_PER_INCH, write_sheets
 
 if TYPE_CHECKING:
     from riot.draw.texture.names import Side
@@ -26,7 +26,7 @@ def write_paperwork(
     textures: Mapping[Side, Texture] | None = None,
     *,
     dxf: bool = True,
-    dots_per_inch: float = DOTS_PER_INCH,
+    dots_per_inch: float = SHEET_DOTS_PER_INCH,
 ) -> list[Path]:
     """Write laser files, texture sheets, assembly page and pictures into a folder that exists; returns their paths.
 

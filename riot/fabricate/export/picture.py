@@ -27,16 +27,16 @@ if TYPE_CHECKING:
 
 EYE = Eye(math.radians(-90.0), math.radians(52.0))
 
-APART = 0.3
+APART_SHARE = 0.3
 """Taken apart, every piece moves from the middle by this share of its distance."""
 
-RAISED = 1.6
+PIN_LIFT = 1.6
 """Taken apart, a pin stands this many thicknesses over the pieces."""
 
-DOTS_PER_INCH = 220.0
-MARGIN_MM = 6.0
+PICTURE_DOTS_PER_INCH = 220.0
+PICTURE_MARGIN_MM = 6.0
 
-_PIXEL_MM = MM_PER_INCH / DOTS_PER_INCH
+_PIXEL_MM = MM_PER_INCH / PICTURE_DOTS_PER_INCH
 _METAL = "#9aa3ad"
 _DASH_MM, _DASH_WIDTH_MM = 1.25, 0.3
 
@@ -59,7 +59,7 @@ def draw_puzzle(
     if target.suffix.lower() != ".png":
         raise PictureFormatError(f"cannot draw {target.name!r}: use a file name that ends in .png")
     view = puzzle_view(design, side, apart=apart, textures=textures)
-    target.write_bytes(png_of_view(view, round(MARGIN_MM / _PIXEL_MM)))
+    target.write_bytes(png_of_view(view, round(PICTURE_MARGIN_MM / _PIXEL_MM)))
 
 
 def puzzle_view(
@@ -68,7 +68,7 @@ def puzzle_view(
     """The picture of `draw_puzzle` before it has a format, without a margin."""
     texture = (textures or {}).get(side)
     back = side == "q" and texture is not None
-    frames = _frames(design, side, back, APART if apart else 0.0)
+    frames = _frames(design, side, back, APART_SHARE if apart else 0.0)
     bodies = [_piece(design, i, frame, back, side, texture) for i, frame in enumerate(frames)]
     if apart:
         bodies += _pins(design, frames)
@@ -113,7 +113,7 @@ def _piece(design: Design, index: int, frame: Frame, back: bool, side: Side, tex
 def _pins(design: Design, frames: list[Frame]) -> list[Body]:
     """A pin over every pin hinge, a sleeve over every telescopic one, and dashes from it to the two pieces it joins."""
     height, pin = design.parameters.height, design.parameters.pin_mm
-    low = RAISED * height
+    low = PIN_LIFT * height
     bodies = []
     for index, piece in enumerate(design.pieces):
         if piece.start.kind == "open":

@@ -34,23 +34,27 @@ if TYPE_CHECKING:
 PAPERS = ((210.0, 297.0), (297.0, 420.0), (420.0, 594.0), (594.0, 841.0), (841.0, 1189.0))
 """A4 to A0, upright, mm; the first on which every piece fits is used."""
 
-MARGIN_MM = 12.0
+SHEET_MARGIN_MM = 12.0
 FOOT_MM = 22.0
 """Free at the sides, and below for the words."""
 
-APART_MM = 8.0
+FACE_SPACE_MM = 8.0
 BLEED_MM = 1.0
 """The texture goes so far beyond the cut."""
 
-DOTS_PER_INCH = 300.0
+SHEET_DOTS_PER_INCH = 300.0
 RULER_MM = 50.0
 
-NAME = 40
+LONGEST_NAME = 40
 """Letters of a name that fit."""
 
 
 def write_sheets(
-    design: Design, path: str | os.PathLike[str], texture: Texture, side: Side, dots_per_inch: float = DOTS_PER_INCH
+    design: Design,
+    path: str | os.PathLike[str],
+    texture: Texture,
+    side: Side,
+    dots_per_inch: float = SHEET_DOTS_PER_INCH,
 ) -> None:
     """Write the texture sheets of one side of the pieces as a PDF: P's (side "p") on the front, Q's ("q") on the back.
 
@@ -63,7 +67,9 @@ def write_sheets(
     target.write_bytes(pdf_bytes(sheet_scenes(design, texture, side, dots_per_inch), unit_mm=1.0))
 
 
-def sheet_scenes(design: Design, texture: Texture, side: Side, dots_per_inch: float = DOTS_PER_INCH) -> list[Scene]:
+def sheet_scenes(
+    design: Design, texture: Texture, side: Side, dots_per_inch: float = SHEET_DOTS_PER_INCH
+) -> list[Scene]:
     """The pages of `write_sheets`, in mm."""
     faces = [face(design, i, side) for i in range(len(design.pieces))]
     width, height, spots = _layout([piece.outline for piece in design.pieces])
@@ -81,7 +87,7 @@ def _frame(outline: FloatArray, spot: Spot, width: float, height: float, side: S
     turned = rotate(outline, angle)
     left, top = float(turned[:, 0].min()), float(turned[:, 1].max())
     mirror = width if side == "q" else None
-    return Frame(angle, MARGIN_MM + spot.x - left, height - MARGIN_MM - spot.y - top, mirror)
+    return Frame(angle, SHEET_MARGIN_MM + spot.x - left, height - SHEET_MARGIN_MM - spot.y - top, mirror)
 
 
 def _layout(outlines: Sequence[FloatArray]) -> tuple[float, float, list[Spot]]:
@@ -89,12 +95,16 @@ def _layout(outlines: Sequence[FloatArray]) -> tuple[float, float, list[Spot]]:
     sizes = np.array([np.ptp(outline, axis=0) for outline in outlines])
     for width, height in PAPERS:
         try:
-            return width, height, shelves(sizes, width - 2 * MARGIN_MM, height - FOOT_MM - MARGIN_MM, APART_MM)
+            return (
+                width,
+                height,
+                shelves(sizes, width - 2 * SHEET_MARGIN_MM, height - FOOT_MM - SHEET_MARGIN_MM, FACE_SPACE_MM),
+            )
         except ValueError:
             continue
     # Larger than any paper: the page is made for it.
     side = float(sizes.max())
-    return side + 2 * MARGIN_MM, side + FOOT_MM + MARGIN_MM, shelves(sizes, side, side, APART_MM)
+    return side + 2 * SHEET_MARGIN_MM, side + FOOT_MM + SHEET_MARGIN_MM, shelves(sizes, side, side, FACE_SPACE_MM)
 
 
 def face(design: Design, index: int, side: Side) -> shapely.Polygon:
@@ -149,10 +159,10 @@ def face_colours(
 
 def _captions(width: float, design: Design, side: Side, number: int, count: int) -> list[Mark]:
     p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
-    names = [textwrap.shorten(name, NAME, placeholder="…") for name in (p, q)]
+    names = [textwrap.shorten(name, LONGEST_NAME, placeholder="…") for name in (p, q)]
     what = f"front: {names[0]}" if side == "p" else f"back: {names[1]}, mirrored"
-    x, y = MARGIN_MM, 7.0
-    right = width - MARGIN_MM
+    x, y = SHEET_MARGIN_MM, 7.0
+    right = width - SHEET_MARGIN_MM
     left = right - RULER_MM
     hint = "Print at 100 %, cut along the thin lines, glue on the pieces of the same number."
     ruler = (
