@@ -1,6 +1,6 @@
 """What a run would do, and why: the plan by stage, and which part of a key changed since the nearest stored artifact.
 
-Nothing here computes or writes; tests/property/test_pipeline_causes.py makes every kind of edit and asks for its cause.
+Nothing here computes or writes; tests/property/test_causes.py makes every kind of edit and asks for its cause.
 """
 
 import lazy_loader

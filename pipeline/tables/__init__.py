@@ -2,7 +2,7 @@
 
 A stage says in its own file which columns it adds; here are the columns that a table has by itself, and the code that
 joins them. Equal runs must write equal bytes, and a run's folder must never hold a table that is half written
-(tests/integration/test_pipeline_run.py, test_pipeline_sweep.py; tests/chaos).
+(tests/integration/test_run.py, test_sweep.py; tests/chaos).
 """
 
 import lazy_loader
