@@ -1,4 +1,5 @@
 from . import construction as construction
+from . import content as content
 from . import draw as draw
 from . import errors as errors
 from . import fabricate as fabricate

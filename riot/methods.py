@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from riot import draw, geometry
 from riot.construction import trunk_choice
+from riot.content import count
 from riot.geometry import shape as shape_module
 from riot.motion import planner
 from riot.parameters import ShapeParameters
@@ -26,11 +27,15 @@ Class = TypeVar("Class", bound=type)
 Parameters = ParamSpec("Parameters")
 
 
+_OFFERED = ("__repr__", "__geo_interface__")
+"""Special names that these classes declare; all others of a class body are Python's own."""
+
+
 def _attach_to_base(methods: Class) -> Class:
     """Give the base of a class what the class declares, and put the base in its place."""
     base = methods.__base__
     for name, method in vars(methods).items():
-        if not name.startswith("__"):
+        if not name.startswith("__") or name in _OFFERED:
             setattr(base, name, method)
     return cast(Class, base)
 
@@ -77,6 +82,12 @@ class Shape(shape_module.Shape):
 @_attach_to_base
 class Transform(transform_module.Transform):
     """An exact reversible transform; see `riot.transform.transform.Transform`."""
+
+    def __repr__(self) -> str:
+        """One line; the certificate and the IoU in it are computed once for each transform."""
+        words = "exact" if self.certificate().passed else "approximate"
+        names = f"{self.p.name!r} ⇄ {self.q.name!r}"
+        return f"Transform({names}, {count(len(self), 'piece')}, IoU {min(self.overlap_ratios):.3f}, {words})"
 
     def certificate(self) -> certificate.Certificate:
         """Verify the two assemblies, once; see `riot.transform.certificate.certify`.

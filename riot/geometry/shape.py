@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from riot.content import ByContent, count
 from riot.errors import SilhouetteError
 from riot.types import BoolArray, FloatArray
 
@@ -18,7 +19,7 @@ UNIT_AREA_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class Shape(ByContent):
     """A silhouette as a polygon: unit area, counter-clockwise, centroid at the origin, y upwards.
 
     Parameters
@@ -65,6 +66,9 @@ class Shape:
                 "degenerate",
                 f"{self._who}: the points enclose {area:.6g}, not 1 counter-clockwise; use Shape.from_polygon",
             )
+
+    def __repr__(self) -> str:
+        return f"Shape({self.name!r}, {count(len(self.points), 'point')})"
 
     @property
     def _who(self) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from riot.content import ByContent, count
 from riot.geometry.shape import Shape
 from riot.kernels.enumerate import enumerate_convex
 from riot.kernels.simplify import TIE
@@ -30,7 +31,7 @@ from riot.units import D_C, L_C
 
 
 @dataclass(frozen=True, eq=False)
-class Trunks:
+class Trunks(ByContent):
     """The candidate trunks of one shape, ragged, ordered by (n, area, vertices).
 
     Trunk t has the vertices ``vertices[offsets[t]:offsets[t + 1]]``, counter-clockwise; edge i of a trunk runs from its
@@ -57,6 +58,10 @@ class Trunks:
     alphas: FloatArray
     thetas: FloatArray
     areas: FloatArray
+
+    def __repr__(self) -> str:
+        sizes = f", {self.sizes.min()} to {self.sizes.max()} vertices" if len(self) else ""
+        return f"Trunks({count(len(self), 'trunk')}{sizes})"
 
     def __len__(self) -> int:
         return len(self.areas)

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from riot.content import ByContent, count
 from riot.transform.pose import Chain, Placement, Pose, swing
 from riot.types import FloatArray, IntArray
 
@@ -38,7 +39,7 @@ class Attempt:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(ByContent):
     """How the n pieces of a transform swing from P to Q without collision.
 
     Parameters
@@ -77,6 +78,9 @@ class Motion:
     chain: Chain
     place_p: Placement
     place_q: Placement
+
+    def __repr__(self) -> str:
+        return f"Motion({count(len(self.chain.lengths), 'piece')}, {self.words}, {count(len(self.times), 'key frame')})"
 
     @property
     def flat(self) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from riot.content import ByContent, count
 from riot.types import FloatArray
 
 
@@ -30,7 +31,7 @@ class Placement:
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class Pose(ByContent):
     """One position of the chain.
 
     Parameters
@@ -47,6 +48,9 @@ class Pose:
     headings: FloatArray
     origins: FloatArray
 
+    def __repr__(self) -> str:
+        return f"Pose(t={self.t:g}, {count(len(self.headings), 'piece')})"
+
     def place(self, piece: int, points: FloatArray) -> FloatArray:
         """Map (k, 2) points of a piece's frame to where this pose has them."""
         placed: FloatArray = rotate(points, float(self.headings[piece])) + self.origins[piece]
@@ -54,12 +58,15 @@ class Pose:
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class Chain(ByContent):
     """Lengths of the edges, and the trunk angles at hinge j (start of edge j) closed as P and closed as Q."""
 
     lengths: FloatArray
     angles: FloatArray
     conjugate_angles: FloatArray
+
+    def __repr__(self) -> str:
+        return f"Chain({count(len(self.lengths), 'piece')})"
 
     def turns(self, t: float) -> FloatArray:
         """(n,) turn at every hinge at time t, radians, counter-clockwise positive."""

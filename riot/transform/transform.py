@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from riot.content import ByContent, count
 from riot.geometry.shape import Shape
 from riot.transform.pose import Chain, Placement, Pose, swing
 from riot.types import FloatArray
@@ -27,7 +28,7 @@ if TYPE_CHECKING:  # a transform computes nothing with them: what makes one does
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class Piece(ByContent):
     """One rigid piece, in its own frame.
 
     Parameters
@@ -44,6 +45,9 @@ class Piece:
     lower: FloatArray
     upper: FloatArray
 
+    def __repr__(self) -> str:
+        return f"Piece({self.length:.3g} long, {len(self.lower)} + {len(self.upper)} points)"
+
     @property
     def polygon(self) -> FloatArray:
         """(k + l − 2, 2) the piece's whole outline, counter-clockwise, each point once."""
@@ -51,7 +55,7 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Transform:
+class Transform(ByContent):
     """An exact reversible transform of P into Q.
 
     Parameters
@@ -90,6 +94,9 @@ class Transform:
     bound_q: float = math.nan
     plan: Motion | None = None
     history: History | None = None
+
+    def __repr__(self) -> str:
+        return f"Transform({self.p.name!r} ⇄ {self.q.name!r}, {count(len(self), 'piece')})"
 
     def __len__(self) -> int:
         return len(self.pieces)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import wraps
 from typing import TypeVar
-from weakref import WeakKeyDictionary
+from weakref import finalize
 
 from riot.transform.transform import Transform
 
@@ -18,12 +18,14 @@ def once_per_transform(function: Callable[[Transform], Value]) -> Callable[[Tran
     A transform is data that nobody changes, so its value stays the same. The value must not refer to the transform,
     which would otherwise live forever.
     """
-    values: WeakKeyDictionary[Transform, Value] = WeakKeyDictionary()
+    values: dict[int, Value] = {}  # by identity: a hash by content would read every array at each look-up
 
     @wraps(function)
     def cached(transform: Transform) -> Value:
-        if transform not in values:
-            values[transform] = function(transform)
-        return values[transform]
+        key = id(transform)
+        if key not in values:
+            values[key] = function(transform)
+            finalize(transform, values.pop, key, None).atexit = False
+        return values[key]
 
     return cached
