@@ -27,7 +27,7 @@ Class = TypeVar("Class", bound=type)
 Parameters = ParamSpec("Parameters")
 
 
-_OFFERED = ("__repr__", "__geo_interface__")
+_OFFERED = ("__repr__",)
 """Special names that these classes declare; all others of a class body are Python's own."""
 
 
