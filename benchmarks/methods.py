@@ -230,12 +230,12 @@ def show(pairs: Sequence[Compared], console: Console | None = None) -> None:
     console = console or Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=WIDTH, file=console.file)
-    pairs = Table("pair", "n", box=box.SIMPLE_HEAD, pad_edge=False)
+    rows = Table("pair", "n", box=box.SIMPLE_HEAD, pad_edge=False)
     for way in WAYS:
-        pairs.add_column(way, justify="right", no_wrap=True)
+        rows.add_column(way, justify="right", no_wrap=True)
     for pair in pairs:
-        pairs.add_row(f"{pair.p} → {pair.q}", str(pair.n), *(_cell(pair.ways[way]) for way in WAYS))
-    console.print(pairs)
+        rows.add_row(f"{pair.p} → {pair.q}", str(pair.n), *(_cell(pair.ways[way]) for way in WAYS))
+    console.print(rows)
     console.print("Of each way: gaps + overlaps + outside; IoU; Hausdorff / L_c; CPU ms.", soft_wrap=True)
     table = Table("", box=box.SIMPLE_HEAD, pad_edge=False)
     for way in WAYS:

@@ -44,7 +44,7 @@ PIPED_WIDTH = 140
 
 
 @dataclass(frozen=True)
-class _Ended:
+class JobEnd:
     """The outcome of a job: exit code, and the folder of its tables if it finished, else the message."""
 
     code: int
@@ -78,9 +78,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return max((job.code for _, job in ended), default=CLEAN)
 
 
-def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console) -> list[tuple[Sequence[str], _Ended]]:
+def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console) -> list[tuple[Sequence[str], JobEnd]]:
     """Have Hydra compose and run every job; returns the overrides of each and how it ended."""
-    ended: list[tuple[Sequence[str], _Ended]] = []
+    ended: list[tuple[Sequence[str], JobEnd]] = []
     begun = False
 
     @hydra.main(version_base=HYDRA_BASE, config_path=str(CONF), config_name="config")
@@ -91,49 +91,50 @@ def _with_hydra(arguments: Sequence[str], console: Console, complaints: Console)
         if is_multirun(arguments):
             ended.append((chosen, _job(composed, sweep_point(arguments, chosen), console, complaints)))
         else:
-            ended.append((chosen, _run(make_typed(composed), console, complaints)))
+            ended.append((chosen, run_job(make_typed(composed), console, complaints)))
 
     program, sys.argv = sys.argv, [sys.argv[0], *arguments]
     try:
         job()
     except SystemExit as stop:  # Hydra printed the reason
         failed = FAILED if begun else BAD_START
-        return [*ended, ((), _Ended(failed if stop.code else CLEAN))]
+        return [*ended, ((), JobEnd(failed if stop.code else CLEAN))]
     finally:
         sys.argv = program
     return ended
 
 
-def _job(composed: DictConfig, point: str, console: Console, complaints: Console) -> _Ended:
+def _job(composed: DictConfig, point: str, console: Console, complaints: Console) -> JobEnd:
     """Run a job of a sweep; the other jobs run whatever ends this one, except an interrupt."""
     try:
         config = make_typed(composed)
         if point:  # else every point of a sweep would replace the tables of the one before
             config = dataclasses.replace(config, outputs=config.outputs / point)
-        return _run(config, console, complaints)
+        return run_job(config, console, complaints)
     except RiotError as error:
         return _refused(error, complaints)
     except Exception as error:
         logging.getLogger(__name__).exception("a job of the sweep broke off")  # into Hydra's folder, with all of it
         message = f"{type(error).__name__}: {error}"
         complaints.print(f"The job broke off: {message}", style="red", highlight=False, markup=False)
-        return _Ended(FAILED, message=message)
+        return JobEnd(FAILED, message=message)
 
 
-def _run(config: Config, console: Console, complaints: Console) -> _Ended:
+def run_job(config: Config, console: Console, complaints: Console) -> JobEnd:
+    """Run one configuration, or show its plan; whatever ends it is printed and told by the exit code."""
     if config.plan or config.explain:
-        return _Ended(_show(config, console))
+        return JobEnd(_show(config, console))
     try:
         with cli.progress.show_progress(console) as listen:
             outcome = pipeline.flow.run_pipeline(config, listen)
     except RiotError as error:
         return _refused(error, complaints)
     cli.summary.show_outcome(outcome, console)
-    return _Ended(outcome.code, outcome.folder)
+    return JobEnd(outcome.code, outcome.folder)
 
 
 def _tell_sweep(
-    arguments: Sequence[str], outputs: Path, ended: Sequence[tuple[Sequence[str], _Ended]], console: Console
+    arguments: Sequence[str], outputs: Path, ended: Sequence[tuple[Sequence[str], JobEnd]], console: Console
 ) -> None:
     jobs = [
         tables.sweep.SweepJob(sweep_values(arguments, chosen), job.code, job.folder, job.message)
@@ -156,12 +157,12 @@ def _show(config: Config, console: Console) -> int:
     return CLEAN
 
 
-def _refused(error: Exception, complaints: Console) -> _Ended:
+def _refused(error: Exception, complaints: Console) -> JobEnd:
     """Print the error; the exit code says whether it kept the run from starting or stopped it."""
     started = not isinstance(error, ConfigError | DatasetError | StartError)
     verb = "Stopped" if started else "Cannot start"
     complaints.print(f"{verb}: {error}", style="red", highlight=False, markup=False)
-    return _Ended(FAILED if started else BAD_START, message=str(error))
+    return JobEnd(FAILED if started else BAD_START, message=str(error))
 
 
 def _interrupted(complaints: Console) -> int:

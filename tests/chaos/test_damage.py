@@ -164,7 +164,7 @@ def test_a_store_that_cannot_be_written_is_said_before_anything_is_done(
 ) -> None:
     (tmp_path / "file").write_text("no folder")
     config = undisturbed.again(tmp_path / "file")
-    with pytest.raises(StartError, match="choose another place"):
+    with pytest.raises(StartError, match="choose another with outputs=DIR"):
         run_pipeline(config, lambda event: None)
 
 

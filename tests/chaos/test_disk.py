@@ -29,7 +29,7 @@ from pipeline.config.schema import ClusterConfig, Config
 from pipeline.errors import StorageError
 from pipeline.exit_codes import FAILED
 from pipeline.plan.work_item import Reference
-from pipeline.run import _run
+from pipeline.run import run_job
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import Store
@@ -63,7 +63,7 @@ def mine(
     log, complaints = where / "log", io.StringIO()
     log.unlink(missing_ok=True)
     with recording(log, disturb):
-        ended = _run(config, Console(file=io.StringIO()), Console(file=complaints, soft_wrap=True))
+        ended = run_job(config, Console(file=io.StringIO()), Console(file=complaints, soft_wrap=True))
     return ended.code, complaints.getvalue().strip(), begun(log)
 
 
