@@ -4,34 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.planning import after_each
-from pipeline.stages.shape_arrays import ErrorRow, attempt, count_shapes, unpack_shape
+from pipeline.stages.shape_arrays import ErrorRow, attempt_each
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
 from riot import scores
-from riot.geometry.shape import Shape
-
-if TYPE_CHECKING:
-    from riot.scores.convexity import Convexity
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
     """Batch of shapes → ``solidity`` (k,) float64, nan without a shape, and ``concavities`` (k,) int64, −1 without."""
     (batch,), (settings,) = inputs, parameters
     errors: list[ErrorRow] = []
-
-    def measure(index: int, shape: Shape | None) -> Convexity | None:
-        if shape is None:
-            return None
-        return attempt(index, lambda: scores.convexity.convexity(shape, settings), errors)
-
-    measures = [measure(index, unpack_shape(batch, index)) for index in range(count_shapes(batch))]
+    measures = attempt_each(batch, lambda shape: scores.convexity.convexity(shape, settings), errors)
     solidity = [math.nan if measure is None else measure.solidity for measure in measures]
     concavities = [-1 if measure is None else measure.concavities for measure in measures]
     arrays = {"solidity": np.array(solidity), "concavities": np.array(concavities, dtype=np.int64)}

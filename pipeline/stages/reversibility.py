@@ -4,34 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.planning import after_each
-from pipeline.stages.shape_arrays import ErrorRow, attempt, count_shapes, unpack_shape
+from pipeline.stages.shape_arrays import ErrorRow, attempt_each
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
 from riot import scores
-from riot.geometry.shape import Shape
-
-if TYPE_CHECKING:
-    from riot.scores.reversibility import Reversibility
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
     """Batch of shapes → ``score``, ``s1``, ``s2``, ``waist`` (k,) float64 (nan without a shape), necks ragged."""
     (batch,), (settings,) = inputs, parameters
     errors: list[ErrorRow] = []
-
-    def rate(index: int, shape: Shape | None) -> Reversibility | None:
-        if shape is None:
-            return None
-        return attempt(index, lambda: scores.reversibility.reversibility(shape, settings), errors)
-
-    ratings = [rate(index, unpack_shape(batch, index)) for index in range(count_shapes(batch))]
+    ratings = attempt_each(batch, lambda shape: scores.reversibility.reversibility(shape, settings), errors)
     counts = [0 if rating is None else len(rating.necks) for rating in ratings]
     present = [rating for rating in ratings if rating is not None]
     arrays = {

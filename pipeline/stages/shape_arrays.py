@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -30,6 +31,20 @@ def attempt(index: int, function: Callable[[], T], errors: list[ErrorRow]) -> T 
         # Our own errors, and the builtin ones that a deterministic function would raise again.
         errors.append(error_row(index, error))
         return None
+
+
+def attempt_each(batch: Artifact, function: Callable[[Shape], T], errors: list[ErrorRow]) -> list[T | None]:
+    """Call ``function`` for each shape of a batch, as `attempt`; None also where ingest failed.
+
+    >>> square = Shape(np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]), np.ones(4, dtype=bool))
+    >>> attempt_each(Artifact(pack_shapes([square, None])), lambda shape: round(shape.perimeter, 9), [])
+    [4.0, None]
+    """
+    results: list[T | None] = []
+    for index in range(count_shapes(batch)):
+        shape = unpack_shape(batch, index)
+        results.append(None if shape is None else attempt(index, partial(function, shape), errors))
+    return results
 
 
 def error_row(index: int, error: BaseException) -> ErrorRow:

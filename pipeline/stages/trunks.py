@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.planning import after_each
-from pipeline.stages.shape_arrays import ErrorRow, attempt, count_shapes, unpack_shape
+from pipeline.stages.shape_arrays import ErrorRow, attempt_each
 from pipeline.stages.stage import Column, Ragged, Stage, TableColumns
 from pipeline.stages.trunk_arrays import no_trunks, pack_trunks
 from pipeline.store.artifact import AnyArray, Artifact
@@ -28,28 +28,24 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Ar
     """
     (batch,), (settings, necks, variant) = inputs, parameters
     errors: list[ErrorRow] = []
-    trunks: list[Trunks | None] = []
-    sparse = np.zeros(count_shapes(batch), dtype=np.int64)
-    for index in range(count_shapes(batch)):
-        shape = unpack_shape(batch, index)
-        if shape is None:
-            trunks.append(None)
-            continue
 
-        def compared(shape: Shape = shape) -> Trunks:
-            return scores.trunks.compared_trunks(
-                shape, variant, settings, lambda: scores.reversibility.reversibility(shape, necks)
-            )
+    def compare(shape: Shape) -> Trunks:
+        return scores.trunks.compared_trunks(
+            shape, variant, settings, lambda: scores.reversibility.reversibility(shape, necks)
+        )
 
-        trunks.append(attempt(index, compared, errors))
-        points = attempt(index, lambda shape=shape: scores.vertices.sparse_points(shape, settings), [])  # type: ignore[misc]
-        sparse[index] = 0 if points is None else len(points)
+    trunks = attempt_each(batch, compare, errors)
+    # Whatever keeps a shape from having sparse points is an error of its trunks, too, and told there.
+    sparse = attempt_each(batch, lambda shape: len(scores.vertices.sparse_points(shape, settings)), [])
     leaves = [scores.leaves.gather_leaves(no_trunks() if stack is None else stack) for stack in trunks]
     arrays: dict[str, AnyArray] = {
         "leaves": np.concatenate(leaves),
         "leaf_offsets": np.cumsum([0, *map(len, leaves)], dtype=np.int64),
     }
-    return Artifact({**pack_trunks(trunks), **arrays, "sparse": sparse}, {"errors": errors})
+    return Artifact(
+        {**pack_trunks(trunks), **arrays, "sparse": np.array([count or 0 for count in sparse], dtype=np.int64)},
+        {"errors": errors},
+    )
 
 
 def items(progress: Progress) -> list[WorkItem]:
