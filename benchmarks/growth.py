@@ -25,6 +25,7 @@ from pathlib import Path
 
 import numpy as np
 from grown import Member, grown_trunks, members
+from growth_plot import Cost, draw
 from inputs import pictures
 
 from riot.kernels.warm import warm_all
@@ -75,29 +76,6 @@ class Collection:
         """The smaller collection of the first ``shapes``, in whole batches."""
         kept = max(1, round(shapes / self.batch))
         return replace(self, files=self.files[:kept], sizes=self.sizes[:kept])
-
-
-@dataclass(frozen=True)
-class Cost:
-    """What one way of finding partners costs on one collection.
-
-    ``estimated``: only ``pairs_scored`` of the pairs ran, and the seconds are those of all, in proportion. Of
-    ``cpu_s``, ``prepare_cpu_s`` went into reading stacks of trunks and laying them out.
-    """
-
-    way: str
-    shapes: int
-    pairs: int
-    pairs_scored: int
-    wall_s: float
-    cpu_s: float
-    prepare_cpu_s: float
-    estimated: bool
-
-    @property
-    def ms_per_pair(self) -> float:
-        """CPU milliseconds, without preparing, for each pair of the collection, whether it had to be scored or not."""
-        return 1e3 * (self.cpu_s - self.prepare_cpu_s) / self.pairs if self.pairs else float("nan")
 
 
 Way = Callable[[Collection, ProcessPoolExecutor, float], Cost]
@@ -186,8 +164,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         document = {"format": FORMAT, **settings, **collection, "costs": figures}
         chosen.json.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
     if chosen.plot:
-        from growth_plot import draw
-
         draw(costs, chosen.plot)
     return 0
 

@@ -1,19 +1,39 @@
-"""The plot of benchmarks/growth.py."""
+"""What one way of finding partners costs on one collection, and the plot of such costs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-if TYPE_CHECKING:
-    from growth import Cost
-
 MARKS = "osD^v"
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one way of finding partners costs on one collection.
+
+    ``estimated``: only ``pairs_scored`` of the pairs ran, and the seconds are those of all, in proportion. Of
+    ``cpu_s``, ``prepare_cpu_s`` went into reading stacks of trunks and laying them out.
+    """
+
+    way: str
+    shapes: int
+    pairs: int
+    pairs_scored: int
+    wall_s: float
+    cpu_s: float
+    prepare_cpu_s: float
+    estimated: bool
+
+    @property
+    def ms_per_pair(self) -> float:
+        """CPU milliseconds, without preparing, for each pair of the collection, whether it had to be scored or not."""
+        return 1e3 * (self.cpu_s - self.prepare_cpu_s) / self.pairs if self.pairs else float("nan")
 
 
 def draw(costs: Sequence[Cost], path: Path) -> None:

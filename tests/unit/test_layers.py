@@ -43,7 +43,8 @@ def files() -> dict[str, Path]:
         for path in (ROOT / package).rglob("*.py"):
             parts = path.relative_to(ROOT).with_suffix("").parts
             modules[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
-    return modules
+    # Benchmarks are scripts of one folder, which import each other by their bare names.
+    return modules | {path.stem: path for path in (ROOT / "benchmarks").glob("*.py")}
 
 
 @cache
@@ -78,7 +79,7 @@ def project_imports() -> tuple[Import, ...]:
         Import(module, target, in_function)
         for module, path in files().items()
         for target, in_function in imports_in(ast.parse(path.read_text(encoding="utf-8")))
-        if target.partition(".")[0] in PACKAGES
+        if target.partition(".")[0] in {name.partition(".")[0] for name in files()}
     )
 
 
