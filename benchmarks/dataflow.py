@@ -23,10 +23,10 @@ from table import Row, row
 from pipeline.config.schema import ClusterConfig, Config
 from pipeline.datasets.collection import Collection, DatasetConfig
 from pipeline.datasets.item import Item
-from pipeline.plan.progress import Progress, begin
+from pipeline.plan.progress import Progress
 from pipeline.runtime.clusters import Executor, SyncExecutor, open_cluster
 from pipeline.runtime.execute import Run
-from pipeline.stages.all import BY_NAME, recipes
+from pipeline.stages.all import BY_NAME, begin_run
 from pipeline.stages.trunk_arrays import unpack_trunks
 from pipeline.store.store import Store
 from riot.scores.qcrs import BlockScores, score_block
@@ -60,9 +60,7 @@ def dataflow_steps(paths: Sequence[Path], size: Size) -> list[Row]:
         items = [Item(name, "", str(path), digest) for name, path, digest in zip(names, paths, digests, strict=True)]
         store = Store(config.store)
         run = Run(store, lambda event: None, SyncExecutor)
-        plan = begin(
-            config, Collection("benchmark", tuple(items)), recipes(config), lambda item: store.get(*item.reference)
-        )
+        plan = begin_run(config, Collection("benchmark", tuple(items)), store)
         for name in ("ingest", "trunks"):
             work = BY_NAME[name].items(plan)
             run.stage(BY_NAME[name], work)

@@ -15,16 +15,15 @@ from pipeline.config.schema import Config
 from pipeline.datasets.collection import Collection, collect
 from pipeline.errors import StartError, StopError, StorageError
 from pipeline.exit_codes import CLEAN, WITH_ERRORS
-from pipeline.plan.progress import Progress, begin
+from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.report.assets import assets_digest
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.execute import Run, open_run
 from pipeline.runtime.quarantine import bring_blocks, bring_shapes
-from pipeline.stages.all import STAGES, recipes
+from pipeline.stages.all import STAGES, begin_run
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.location import Location
-from pipeline.store.reader import ArtifactReader
 from pipeline.store.storage_errors import writing_to
 from pipeline.tables.outputs import run_folder, swept
 from pipeline.tables.record import GALLERY, RECORD, REPORT, is_up_to_date, outcome_digest, write_record
@@ -95,9 +94,7 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
     started, clock = datetime.now(UTC), time.perf_counter()
     folder = run_folder(config)
     with open_run(config.store, config.cluster, partial(_compile, listen), listen, unwritable) as run:
-        read = ArtifactReader(run.store.get)
-        start = begin(config, collection, recipes(config), lambda item: read(*item.reference))
-        progress = run_stages(start, run)
+        progress = run_stages(begin_run(config, collection, run.store), run)
     results = Results(progress, run.store, dict(run.failed), len(run.blocked), tuple(run.stages))
     digest = outcome_digest(results, assets_digest())
     code = WITH_ERRORS if results.errors or results.blocked else CLEAN
@@ -137,7 +134,7 @@ def run_stages(progress: Progress, run: Run) -> Progress:
             items, lost = bring_blocks(progress, stage, run)
         else:
             items = list(stage.items(progress))
-            if not items and stage.optional and stage.scope == "pair":
+            if not stage.is_due(items):
                 continue  # no line of output for a stage without work
             run.stage(stage, items)
         progress = progress.with_work(stage.name, items, frozenset(run.done), lost)

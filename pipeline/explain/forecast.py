@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import collect
 from pipeline.explain.causes import Pictures
-from pipeline.plan.progress import begin
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.all import STAGES, recipes
+from pipeline.stages.all import STAGES, begin_run
 from pipeline.stages.stage import Stage
-from pipeline.store.reader import ArtifactReader
 from pipeline.store.store import State, Store
 
 
@@ -39,9 +37,7 @@ class Forecast:
 
 def forecast(config: Config, store: Store) -> Forecast:
     """Forecast a run; raises `pipeline.datasets.collection.DatasetError` if there is no collection."""
-    read = ArtifactReader(store.get)
-    collection = collect(config.dataset)
-    progress = begin(config, collection, recipes(config), lambda item: read(*item.reference))
+    progress = begin_run(config, collect(config.dataset), store)
     incomplete: set[str] = set()
     stages = []
     for stage in STAGES:
@@ -54,7 +50,7 @@ def forecast(config: Config, store: Store) -> Forecast:
         items = stage.items(progress)
         # Later stages are planned as if this one succeeds.
         progress = progress.with_work(stage.name, items, progress.done | {item.reference for item in items})
-        if items or not (stage.optional and stage.scope == "pair"):
+        if stage.is_due(items):
             stages.append(_look(stage, items, store))
             if stages[-1].missing:
                 incomplete.add(stage.name)

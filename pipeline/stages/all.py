@@ -10,10 +10,14 @@ from graphlib import TopologicalSorter
 
 from pipeline import stages
 from pipeline.config.schema import Config
+from pipeline.datasets.collection import Collection
 from pipeline.plan.code_digest import code_digests, edited_since_start, library_versions
+from pipeline.plan.progress import Progress, begin
 from pipeline.plan.work_item import Recipe
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import canonical_json
+from pipeline.store.reader import ArtifactReader
+from pipeline.store.store import Store
 
 
 def in_order(stages_by_name: Mapping[str, Stage]) -> tuple[Stage, ...]:
@@ -47,6 +51,12 @@ STAGES: tuple[Stage, ...] = in_order(BY_NAME)
 def recipes(config: Config) -> dict[str, Recipe]:
     """The recipe of every stage, by its name."""
     return {stage.name: stage.recipe(config) for stage in STAGES}
+
+
+def begin_run(config: Config, collection: Collection, store: Store) -> Progress:
+    """A run before its first stage, which reads what earlier stages found from ``store``, small artifacts once."""
+    read = ArtifactReader(store.get)
+    return begin(config, collection, recipes(config), lambda item: read(*item.reference))
 
 
 @cache

@@ -156,6 +156,10 @@ class Stage:
         """Whether a configuration can leave it out."""
         return self.wanted is not _always
 
+    def is_due(self, items: Sequence[WorkItem]) -> bool:
+        """Whether a run goes through the stage: a run skips an optional stage of pairs that has nothing to do."""
+        return bool(items) or not (self.optional and self.scope == "pair")
+
     @property
     def module(self) -> str:
         """The module that defines it."""

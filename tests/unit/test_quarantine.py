@@ -12,14 +12,14 @@ from pipeline.config.build import make_config
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
-from pipeline.plan.progress import Progress, begin
+from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.clusters import Bundle
 from pipeline.runtime.events import Event, Note
 from pipeline.runtime.execute import Run
 from pipeline.runtime.quarantine import OF_SHAPES, bring_shapes
 from pipeline.runtime.worker import Failure, Receipt
-from pipeline.stages.all import recipes
+from pipeline.stages.all import begin_run
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import Store
 
@@ -74,7 +74,7 @@ def brought(
 
 def begun(store: Path, names: Sequence[str]) -> Progress:
     settings = config(store)
-    return begin(settings, collection(names), recipes(settings), lambda item: Store(store).get(*item.reference))
+    return begin_run(settings, collection(names), Store(store))
 
 
 NAMES = [f"shape-{number:02}" for number in range(20)]
