@@ -84,7 +84,7 @@ def outside(region: shapely.Geometry, end: HingeEnd) -> shapely.Geometry:
 
 
 def least_gaps(sub_chain: SubChain, regions: Regions) -> list[Nearest]:
-    """The least gap of every two pieces over the samples of a sub-chain, `CAP_MM` or more if it is wider."""
+    """The least gap of every two pieces over the samples of a sub-chain, `GAP_CAP_MM` or more if it is wider."""
     nearest = []
     for i, j in combinations(range(len(sub_chain.pieces)), 2):
         gaps = pair_gaps(sub_chain, regions, i, j)
@@ -94,7 +94,7 @@ def least_gaps(sub_chain: SubChain, regions: Regions) -> list[Nearest]:
 
 
 def pair_gaps(sub_chain: SubChain, regions: Regions, i: int, j: int) -> FloatArray:
-    """(k,) gap of two pieces at every sample, mm; `CAP_MM` or more where it is wider."""
+    """(k,) gap of two pieces at every sample, mm; `GAP_CAP_MM` or more where it is wider."""
     a, b = (3 * i + 2, 3 * j + 1) if j == i + 1 else (3 * i, 3 * j)
     position = sub_chain.seen_from(i, sub_chain.points[:, j])
     turned = sub_chain.headings[:, j] - sub_chain.headings[:, i]

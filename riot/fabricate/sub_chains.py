@@ -50,7 +50,7 @@ class SubChain:
 def sub_chains(motion: Motion, scale: float) -> list[SubChain]:
     """The parts of the chain between the open hinge and the lifting ones, lowest plane first.
 
-    Samples are so close that no piece turns by more than `STEP` against another between two of them.
+    Samples are so close that no piece turns by more than `GREATEST_TURN` against another between two of them.
     """
     n = len(motion.chain.lengths)
     cuts = (motion.open_hinge, *motion.lifted)
