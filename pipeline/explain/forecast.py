@@ -59,7 +59,7 @@ def forecast(config: Config, store: Store) -> Forecast:
 
 
 def _look(stage: Stage, items: Sequence[WorkItem], store: Store) -> StageForecast:
-    states = [store.state(*item.reference) for item in items]
+    states = [state for state, _ in store.check_all([item.reference for item in items])]
     missing = tuple(item for item, state in zip(items, states, strict=True) if state is not State.PRESENT)
     corrupt = sum(state is State.CORRUPT for state in states)
     costs = [entry.cost["seconds"] for entry in store.entries(stage.name) if "seconds" in entry.cost] if missing else []
