@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -135,7 +134,7 @@ def read_query(mined: MinedRun, path: Path) -> Query:
 
     Raises `riot.errors.SilhouetteError`, or OSError when there is no such file.
     """
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    digest = digest_bytes(path.read_bytes())
     trunks = trunks_as_mined(mined, read(path, mined.config.shape))
     return Query(path.stem, digest, trunks, stack([trunks]))
 

@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow.dataset as ds
@@ -16,11 +15,12 @@ from pipeline.report.comparison import Comparison, read_comparison
 from pipeline.report.histogram import Distribution, distribution
 from pipeline.report.rows import ErrorRow, PuzzleRow, TimingRow, TransformRow, typed_row
 from pipeline.tables import schemas as tables
+from pipeline.tables.measures import rows
 from pipeline.tables.partner_search import PartnerSearch, read_search
+from pipeline.tables.record import RECORD
+from pipeline.tables.results import Row
 from riot.errors import RiotError
 from riot.types import FloatArray
-
-Row = dict[str, Any]
 
 
 class ReportError(RiotError, FileNotFoundError):
@@ -103,9 +103,9 @@ def read_run(folder: Path) -> ReportedRun:
             f"{folder} does not hold a finished run: {', '.join(missing)} missing; "
             "finish the run with `python -m pipeline.run`, then write the report again"
         )
-    facts = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    facts = json.loads((folder / RECORD).read_text(encoding="utf-8"))
     shapes = pq.read_table(folder / "shapes.parquet", columns=["class"]).column("class").to_pylist()
-    tables_read = {name: _rows(folder, name) for name in ("transforms", "fabrications", "errors", "timings")}
+    tables_read = {name: rows(folder, name) for name in ("transforms", "fabrications", "errors", "timings")}
     transforms = tuple(typed_row(TransformRow, row) for row in tables_read["transforms"])
     # Closing over the count keeps the pass over all pairs a single one.
     pairs_without_trunks = [0]
@@ -140,7 +140,7 @@ def read_run(folder: Path) -> ReportedRun:
 
 
 _NEEDED = (
-    "run.json",
+    RECORD,
     "qcrs",
     *(
         f"{name}.parquet"
@@ -152,11 +152,6 @@ _NEEDED = (
 def _search(folder: Path) -> PartnerSearch | None:
     first = next(iter(sorted(folder.rglob("*.parquet"))), None)
     return None if first is None else read_search(pq.read_schema(first).metadata)
-
-
-def _rows(folder: Path, name: str) -> list[Row]:
-    rows: list[Row] = pq.read_table(folder / f"{name}.parquet").to_pylist()
-    return rows
 
 
 def _column(folder: Path, name: str, column: str) -> FloatArray:
