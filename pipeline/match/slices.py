@@ -7,9 +7,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipeline.errors import PayloadError, StartError
-from pipeline.match.search import AGAIN, MinedRun, open_mined, trunks_as_mined
-from pipeline.stages.shape_arrays import count_shapes, expect_shape
+from pipeline.errors import StartError
+from pipeline.match.search import MinedRun, open_mined, trunks_as_mined
+from pipeline.match.shapes import read_shapes
 from pipeline.store.location import parse_location
 from riot.cli import main as cli
 from riot.cli.slices import given, slice_model
@@ -58,33 +58,3 @@ def shortlists(mined: MinedRun, slices: Sequence[Shape], keep: int) -> tuple[Sho
     for i, number, score in zip(scores.i.tolist(), numbers, scores.score.tolist(), strict=True):
         candidates[i].append(Candidate(shapes[number], score))
     return tuple(tuple(shortlist) for shortlist in candidates)
-
-
-def read_shapes(mined: MinedRun, numbers: set[int]) -> dict[int, Shape]:
-    """The shapes of a run with these numbers, under their names; raises `StartError` if one is not in the store."""
-    shapes: dict[int, Shape] = {}
-    first = 0
-    try:
-        for key in mined.trunks:
-            batch = mined.store.get("ingest", _inputs(mined, "trunks", key)[0])
-            here = mined.numbers[first : first + count_shapes(batch)].tolist()
-            first += len(here)
-            shapes |= {
-                number: expect_shape(batch, index, mined.names[number])
-                for index, number in enumerate(here)
-                if number in numbers
-            }
-    except (LookupError, PayloadError, OSError) as error:
-        reason = error.args[0] if isinstance(error, LookupError) else error
-        raise StartError(
-            f"{mined.store.root}: shapes of {mined.folder} are gone or altered ({reason}); {AGAIN}"
-        ) from error
-    return shapes
-
-
-def _inputs(mined: MinedRun, stage: str, key: str) -> Sequence[str]:
-    entry = mined.store.entry(stage, key)
-    if entry is None:
-        raise LookupError(f"{stage}/{key[:12]}")
-    inputs: Sequence[str] = entry.parts["inputs"]
-    return inputs

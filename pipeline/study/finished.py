@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from pipeline.config.schema import Config
 from pipeline.errors import StartError
 from pipeline.match.search import MinedRun, open_mined
-from pipeline.stages.shape_arrays import count_shapes, unpack_shape
+from pipeline.match.shapes import read_shapes
 from pipeline.tables import schemas as tables
 from riot.geometry.shape import Shape
 from riot.types import FloatArray, IntArray
@@ -77,18 +77,9 @@ class StudiedRun:
 
     @cached_property
     def shapes(self) -> list[Shape]:
-        """The shapes by number."""
-        store, shapes_by_number, position = self.mined.store, dict[int, Shape](), 0
-        for key in self.mined.trunks:
-            entry = store.entry("trunks", key)
-            assert entry is not None  # it was read when the run was opened
-            batch = store.get("ingest", entry.parts["inputs"][0])
-            for index in range(count_shapes(batch)):
-                number = int(self.mined.numbers[position])
-                position += 1
-                shape = unpack_shape(batch, index, self.mined.names[number]) if number >= 0 else None
-                if shape is not None:
-                    shapes_by_number[number] = shape
-        if len(shapes_by_number) != len(self.mined.names):
+        """The shapes by number; raises `StartError` unless the run's store has all of them."""
+        count = len(self.mined.names)
+        shapes = read_shapes(self.mined, range(count))
+        if len(shapes) != count:
             raise StartError(f"{self.mined.folder}: some shapes have no trunks because the work failed; run it again")
-        return [shapes_by_number[number] for number in range(len(shapes_by_number))]
+        return [shapes[number] for number in range(count)]
