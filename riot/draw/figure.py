@@ -38,7 +38,11 @@ def draw_transform(transform: Transform, path: str | os.PathLike[str], images: P
 
 
 def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene:
-    """The figure of `draw_transform` before it has a format."""
+    """The figure of `draw_transform` before it has a format.
+
+    >>> len(figure_scene(transform).pieces)
+    4
+    """
     drawn = sketch(transform)
     motion = motion_of(transform)
     names = _short(transform.p.name or "P"), _short(transform.q.name or "Q")

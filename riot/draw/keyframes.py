@@ -119,14 +119,25 @@ def painting_order(motion: Motion) -> list[int]:
 
 
 def hinge_dot(motion: Motion, hinge: int, x: float, y: float) -> Dot:
-    """The dot of a hinge: a ring for the open one, larger for those that lift."""
+    """The dot of a hinge: a ring for the open one, larger for those that lift.
+
+    >>> from riot.motion import motion_of
+    >>> motion = motion_of(transform)
+    >>> hinge_dot(motion, motion.open_hinge, 0.0, 1.0).pen
+    'open'
+    """
     if hinge == motion.open_hinge:
         return Dot(x, y, "open")
     return Dot(x, y, "hinge", LIFTING_RADIUS) if hinge in motion.lifted else Dot(x, y, "hinge")
 
 
 def motion_marks(drawn: Transform, motion: Motion, t: float) -> list[Mark]:
-    """The pieces at time t of the motion, hinges on top, the open one as rings at its two ends."""
+    """The pieces at time t of the motion, hinges on top, the open one as rings at its two ends.
+
+    >>> from riot.motion import motion_of
+    >>> len(motion_marks(transform, motion_of(transform), 0.5))  # four pieces, four hinges and the open end
+    9
+    """
     pose, n = motion.pose_at(t), len(drawn)
     origins = [(float(x), float(y)) for x, y in pose.origins]
     marks: list[Mark] = [PlacedPiece(i, *origins[i], float(pose.headings[i])) for i in painting_order(motion)]

@@ -31,7 +31,11 @@ def sketch(transform: Transform, tolerance: float = SKETCH_TOLERANCE) -> Transfo
 
 
 def input_marks(transform: Transform, side: str) -> list[Mark]:
-    """An input with its trunk, every trunk edge in the colour of the piece that will own it; side "p" or "q"."""
+    """An input with its trunk, every trunk edge in the colour of the piece that will own it; side "p" or "q".
+
+    >>> [type(mark).__name__ for mark in input_marks(transform, "p")][:3]
+    ['Region', 'Region', 'Line']
+    """
     outline, trunk = _input(transform, side)
     n = len(transform)
     edges = [np.array([trunk[j], trunk[(j + 1) % n]]) for j in range(n)]
@@ -42,14 +46,22 @@ def input_marks(transform: Transform, side: str) -> list[Mark]:
 
 
 def deformation_marks(transform: Transform, side: str) -> list[Mark]:
-    """The outline that the pieces make, over the input; side "p" or "q"."""
+    """The outline that the pieces make, over the input; side "p" or "q".
+
+    >>> [mark.pen for mark in deformation_marks(transform, "p")]
+    ['silhouette', 'outline']
+    """
     outline, _ = _input(transform, side)
     assembled = transform.outline_p() if side == "p" else transform.outline_q()
     return [Region((outline,), "silhouette"), Region((assembled,), "outline")]
 
 
 def dissection_marks(transform: Transform, side: str) -> list[Mark]:
-    """The closed chain: P's dissection for side "p", Q's for "q"."""
+    """The closed chain: P's dissection for side "p", Q's for "q".
+
+    >>> len(dissection_marks(transform, "q"))  # four pieces and four hinges
+    8
+    """
     return pose_marks(transform, transform.pose(0.0 if side == "p" else 1.0), 0, closed=True, side=side)
 
 
@@ -57,6 +69,9 @@ def pose_marks(transform: Transform, pose: Pose, open_hinge: int, closed: bool =
     """The pieces in a pose, hinges on top; the open hinge, if it is open, as rings at its two ends.
 
     ``side`` is the side of the pieces that shows, if they have images.
+
+    >>> len(pose_marks(transform, transform.pose(0.5), 0))  # four pieces, four hinges and the open end
+    9
     """
     n = len(transform)
     marks: list[Mark] = [
@@ -74,7 +89,11 @@ def pose_marks(transform: Transform, pose: Pose, open_hinge: int, closed: bool =
 
 
 def chain_marks(transform: Transform, open_hinge: int = 0) -> list[Mark]:
-    """The chain laid out straight: P's exterior pieces hang below the line, Q's stand above it."""
+    """The chain laid out straight: P's exterior pieces hang below the line, Q's stand above it.
+
+    >>> len(chain_marks(transform)) > len(transform)
+    True
+    """
     n = len(transform)
     headings, origins = np.zeros(n), np.zeros((n, 2))
     x = 0.0

@@ -48,7 +48,11 @@ def png_bytes(scene: Scene, width: int = PNG_WIDTH) -> bytes:
 
 
 def png_of_svg(text: str, width: int) -> bytes:
-    """An SVG file as a PNG file, ``width`` pixels wide."""
+    """An SVG file as a PNG file, ``width`` pixels wide.
+
+    >>> png_of_svg('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 2 1"/>', 8)[1:4]
+    b'PNG'
+    """
     fonts = _FONT_FILES if "<text" in text else []  # reading them takes a third of a film's time
     return resvg_py.svg_to_bytes(
         svg_string=text, width=width, skip_system_fonts=True, font_files=fonts,
@@ -57,6 +61,10 @@ def png_of_svg(text: str, width: int) -> bytes:
 
 
 def pixels_of_png(data: bytes) -> npt.NDArray[np.uint8]:
-    """A PNG file as pixels, (rows, columns, 3) uint8, first row on top."""
+    """A PNG file as pixels, (rows, columns, 3) uint8, first row on top.
+
+    >>> pixels_of_png(png_of_svg('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 2 1"/>', 8)).shape
+    (4, 8, 3)
+    """
     with Image.open(io.BytesIO(data)) as picture:
         return np.asarray(picture.convert("RGB"))

@@ -127,7 +127,11 @@ class Scene:
 
 
 def moved(marks: Iterable[Mark], x: float, y: float, scale: float = 1.0) -> list[Mark]:
-    """The marks scaled about the origin and then shifted by (x, y); labels keep their size, dots at least half."""
+    """The marks scaled about the origin and then shifted by (x, y); labels keep their size, dots at least half.
+
+    >>> moved([Dot(1.0, 2.0, "hinge")], 10.0, 0.0, 2.0)[0].x
+    12.0
+    """
     shift = np.array([x, y])
     result: list[Mark] = []
     for mark in marks:
@@ -151,13 +155,21 @@ def moved(marks: Iterable[Mark], x: float, y: float, scale: float = 1.0) -> list
 
 
 def placed(piece: PlacedPiece, points: FloatArray) -> FloatArray:
-    """(k, 2) points of a piece's frame where the piece lies in the scene."""
+    """(k, 2) points of a piece's frame where the piece lies in the scene.
+
+    >>> placed(PlacedPiece(0, 1.0, 0.0, 0.0), np.array([[1.0, 2.0]])).tolist()
+    [[2.0, 2.0]]
+    """
     in_scene: FloatArray = rotate(points * piece.scale, piece.heading) + np.array([piece.x, piece.y])
     return in_scene
 
 
 def extent(marks: Iterable[Mark], pieces: tuple[Piece, ...]) -> Box:
-    """The smallest box around all marks; of dots the centres count, labels do not."""
+    """The smallest box around all marks; of dots the centres count, labels do not.
+
+    >>> extent([Dot(1.0, 2.0, "hinge"), Dot(3.0, -1.0, "hinge")], ())
+    (1.0, -1.0, 3.0, 2.0)
+    """
     clouds: list[FloatArray] = []
     for mark in marks:
         if isinstance(mark, Region):
@@ -176,7 +188,11 @@ def extent(marks: Iterable[Mark], pieces: tuple[Piece, ...]) -> Box:
 
 
 def swept(points: FloatArray, headings: FloatArray, origins: FloatArray) -> Box:
-    """The smallest box around (k, 2) points turned by each of the headings (m,), radians, and moved by its origin."""
+    """The smallest box around (k, 2) points turned by each of the headings (m,), radians, and moved by its origin.
+
+    >>> swept(np.array([[1.0, 0.0], [2.0, 0.0]]), np.array([0.0]), np.array([[5.0, 0.0]]))
+    (6.0, 0.0, 7.0, 0.0)
+    """
     cosines, sines = np.cos(headings)[:, None], np.sin(headings)[:, None]
     x = points[:, 0] * cosines - points[:, 1] * sines + origins[:, :1]
     y = points[:, 0] * sines + points[:, 1] * cosines + origins[:, 1:]

@@ -36,7 +36,11 @@ def draw_strip(transform: Transform, path: str | os.PathLike[str], images: Piece
 
 
 def strip_scene(transform: Transform, poses: int = STRIP_POSES, images: PieceImages = NO_IMAGES) -> Scene:
-    """``poses`` ≥ 2 poses at even times of `Transform.motion`, all at one scale, and what the motion needs in words."""
+    """``poses`` ≥ 2 poses at even times of `Transform.motion`, all at one scale, and what the motion needs in words.
+
+    >>> len(strip_scene(transform, 3).pieces)
+    4
+    """
     drawn, motion = sketch(transform), motion_of(transform)
     groups = [motion_marks(drawn, motion, float(t)) for t in np.linspace(0.0, 1.0, poses)]
     boxes = [extent(group, drawn.pieces) for group in groups]

@@ -155,7 +155,11 @@ def _data_url(pixels: npt.NDArray[np.uint8], codec: str) -> str:
 
 
 def piece_id(prefix: str, piece: int, side: str = "p", images: PieceImages = NO_IMAGES) -> str:
-    """The id under which `definitions` has what shows of a piece."""
+    """The id under which `definitions` has what shows of a piece.
+
+    >>> piece_id("r1-", 3)
+    'r1-3'
+    """
     return f"{prefix}{side if side in images else ''}{piece}"
 
 
@@ -219,7 +223,11 @@ def _rings(rings: Iterable[FloatArray]) -> str:
 
 
 def dot(mark: Dot, pen: float) -> str:
-    """A dot as a ``<circle>``."""
+    """A dot as a ``<circle>``.
+
+    >>> dot(Dot(0.5, 1.0, "hinge", 2.0), 0.01)
+    '<circle class="r-hinge" cx="500" cy="-1000" r="20"/>'
+    """
     centre = f'cx="{_whole(mark.x)}" cy="{_whole(-mark.y)}"'
     return f'<circle class="r-{mark.pen}" {centre} r="{_whole(mark.radius * pen)}"/>'
 

@@ -17,13 +17,22 @@ def page_style() -> str:
 
 
 def page_colours(scheme: Mapping[str, str]) -> str:
-    """The values of the variables that `page_style` uses."""
+    """The values of the variables that `page_style` uses.
+
+    >>> page_colours({"paper": "#ffffff"})[:18]
+    '--r-paper:#ffffff;'
+    """
     tokens = dict(scheme) | {f"piece{k}": value for k, value in enumerate(PIECES)}
     return "".join(f"--r-{token}:{value};" for token, value in tokens.items())
 
 
 def file_style(pen: float, scheme: Mapping[str, str]) -> str:
-    """Rules of a whole file: colours of a scheme, widths in SVG units, of which a pen has ``pen``."""
+    """Rules of a whole file: colours of a scheme, widths in SVG units, of which a pen has ``pen``.
+
+    >>> from riot.draw.palette import LIGHT
+    >>> file_style(2.0, LIGHT)[:16]
+    'text{font-family'
+    """
     rules = [f"text{{font-family:{FONT}}}", "image{image-rendering:smooth}"]
     rules += [_rule(name, value, pen, lambda token: colour(token, scheme)) for name, value in PENS.items()]
     return "".join(rules)
@@ -43,5 +52,9 @@ def _rule(name: str, pen: Pen, unit: float, paint: Callable[[str], str]) -> str:
 
 
 def number(value: float) -> str:
-    """A number with as many digits as a picture shows."""
+    """A number with as many digits as a picture shows.
+
+    >>> number(2.0 / 3.0)
+    '0.6667'
+    """
     return f"{value:.4g}"

@@ -65,11 +65,19 @@ def edit(curve: FloatArray, handles: BoolArray, targets: FloatArray) -> FloatArr
 
 
 def as_complex(points: FloatArray) -> ComplexArray:
-    """(m, 2) points as x + iy, (m,)."""
+    """(m, 2) points as x + iy, (m,).
+
+    >>> as_complex(np.array([[1.0, 2.0], [3.0, 4.0]])).tolist()
+    [(1+2j), (3+4j)]
+    """
     values: ComplexArray = points[:, 0] + 1j * points[:, 1]
     return values
 
 
 def as_points(values: ComplexArray) -> FloatArray:
-    """The way back: (m, 2)."""
+    """The way back: (m, 2).
+
+    >>> as_points(np.array([1.0 + 2.0j, 3.0 + 4.0j])).tolist()
+    [[1.0, 2.0], [3.0, 4.0]]
+    """
     return np.column_stack([values.real, values.imag])

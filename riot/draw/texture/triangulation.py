@@ -19,6 +19,11 @@ def triangulate(outline: FloatArray, images: FloatArray) -> tuple[FloatArray, Fl
     """Points, images (of the boundary), triangles and the number of boundary points of a triangulated outline.
 
     Delaunay's, with edges of the outline split in the middle until all are there.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> points, images, triangles, boundary = triangulate(square, 2.0 * square)
+    >>> round(float(signed_areas(points, triangles).sum()), 9), len(images) == boundary
+    (1.0, True)
     """
     inner = _grid(outline)
     for turn in range(SPLIT_ROUNDS):
@@ -78,14 +83,24 @@ def _inside(points: FloatArray, triangles: IntArray, outline: FloatArray) -> Int
 
 
 def signed_areas(points: FloatArray, triangles: IntArray) -> FloatArray:
-    """(t,) areas of triangles (t, 3) among points (k, 2), negative where they are clockwise."""
+    """(t,) areas of triangles (t, 3) among points (k, 2), negative where they are clockwise.
+
+    >>> corners = np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]])
+    >>> signed_areas(corners, np.array([[0, 1, 2], [0, 2, 1]])).tolist()
+    [1.0, -1.0]
+    """
     a, b, c = (points[triangles[:, k]] for k in range(3))
     sizes: FloatArray = 0.5 * ((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]))
     return sizes
 
 
 def barycentric(corners: FloatArray, xy: FloatArray) -> FloatArray:
-    """(m, 3) weights of points in their triangles, (m, 3, 2)."""
+    """(m, 3) weights of points in their triangles, (m, 3, 2).
+
+    >>> corners = np.array([[[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]]])
+    >>> barycentric(corners, np.array([[1.0, 2.0]])).tolist()
+    [[0.25, 0.25, 0.5]]
+    """
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
 
     def cross(u: FloatArray, v: FloatArray) -> FloatArray:
