@@ -67,8 +67,8 @@ def show(rows: Sequence[RecoveryShare], close: Sequence[Closeness], causes: Coun
         table.add_row(row.name, f"{row.share:.1%}", f"{row.good}/{row.of}", interval, aim, met, *cells)
     console.print(table)
     ious = Table("IoU of the worse shape", *QUANTILES, "refused", box=box.SIMPLE_HEAD, pad_edge=False)
-    for which, row in quantiles(close).items():
-        ious.add_row(WAYS[which], *(f"{row[word]:.5f}" for word in QUANTILES), f"{row['refused']:.0f}")
+    for which, iou in quantiles(close).items():
+        ious.add_row(WAYS[which], *(f"{iou[word]:.5f}" for word in QUANTILES), f"{iou['refused']:.0f}")
     console.print(ious)
     lost = Table("partner not first in the end; lost at", "shapes", box=box.SIMPLE_HEAD, pad_edge=False)
     for cause, count in causes.most_common():

@@ -15,10 +15,10 @@ from riot.construction.partition import require_contact
 from riot.construction.pinned_paths import pinned_paths
 from riot.construction.pins import Pins
 from riot.errors import ConstructionError
-from riot.geometry.polyline import edge_lengths, trunk_angles
+from riot.geometry.polyline import edge_lengths
 from riot.parameters import ConstructParameters, DetailParameters
 from riot.transform.certificate import certify
-from riot.transform.pose import Placement, rotate
+from riot.transform.pose import rotate
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray
 from riot.units import L_C
@@ -92,19 +92,7 @@ class DissectedPlan:
                     _in_piece_frame(above, plan.trunk_p[i], plan.trunk_p[(i + 1) % n], float(lengths[i])),
                 )
             )
-        return Transform(
-            pieces=tuple(pieces),
-            angles=trunk_angles(plan.trunk_p),
-            conjugate_angles=trunk_angles(plan.trunk_q),
-            place_p=Placement.of(plan.trunk_p),
-            place_q=Placement.of(plan.trunk_q),
-            p=plan.pair.p,
-            q=plan.pair.q,
-            trunk_p=plan.feet[0],
-            trunk_q=plan.feet[1],
-            bound_p=plan.bound_p,
-            bound_q=plan.bound_q,
-        )
+        return plan.assembled(pieces, *plan.feet)
 
 
 def dissect_plan(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,10 +10,12 @@ import numpy as np
 
 from riot.construction.conjugate import is_convex, make_conjugate
 from riot.errors import ConstructionError
-from riot.geometry.polyline import arc_length
+from riot.geometry.polyline import arc_length, trunk_angles
 from riot.geometry.shape import Shape
 from riot.kernels.change import feet, least_changes, placed_arcs
 from riot.parameters import RefineParameters
+from riot.transform.pose import Placement
+from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray
 from riot.units import L_C
 
@@ -127,6 +130,22 @@ class ConstructionPlan:
     def _swung_q(self) -> tuple[FloatArray, IntArray]:
         _, _, outline, windows = self.pair.windowed_outlines
         return _swing(outline, windows, self.trunk_q[::-1].copy(), self.trunk_p[::-1].copy())
+
+    def assembled(self, pieces: Sequence[Piece], trunk_p: FloatArray, trunk_q: FloatArray) -> Transform:
+        """The transform of the n pieces in chain order; ``trunk_p``, ``trunk_q`` (n, 2) are where the arcs part."""
+        return Transform(
+            pieces=tuple(pieces),
+            angles=trunk_angles(self.trunk_p),
+            conjugate_angles=trunk_angles(self.trunk_q),
+            place_p=Placement.of(self.trunk_p),
+            place_q=Placement.of(self.trunk_q),
+            p=self.pair.p,
+            q=self.pair.q,
+            trunk_p=trunk_p,
+            trunk_q=trunk_q,
+            bound_p=self.bound_p,
+            bound_q=self.bound_q,
+        )
 
 
 def feet_of(outlines: WindowedOutlines, trunks: FloatArray) -> FloatArray:

@@ -12,10 +12,10 @@ from riot.construction.laplacian.contact import TrunkArcs
 from riot.construction.laplacian.phases import close_gaps, part_overlaps, scale_arcs
 from riot.construction.laplacian.residual import Residual
 from riot.construction.tuning import MOST_EDIT_ROUNDS, MOST_EDIT_STEPS, POINT_SPACING, RESIDUAL_TOLERANCE
-from riot.geometry.polyline import edge_lengths, trunk_angles
+from riot.geometry.polyline import edge_lengths
 from riot.kernels.coverage import swung_arcs
 from riot.parameters import ConstructParameters
-from riot.transform.pose import Placement, rotate
+from riot.transform.pose import rotate
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray
 
@@ -50,19 +50,7 @@ def construct_laplacian(plan: ConstructionPlan, parameters: ConstructParameters)
         lower, upper = below[i], above[(n - 2 - i) % n]
         ends = np.array([[0.0, 0.0], [length, 0.0]])
         pieces.append(Piece(length, _carried(lower, ends), _carried(upper, ends[::-1])))
-    return Transform(
-        pieces=tuple(pieces),
-        angles=trunk_angles(plan.trunk_p),
-        conjugate_angles=trunk_angles(plan.trunk_q),
-        place_p=Placement.of(plan.trunk_p),
-        place_q=Placement.of(plan.trunk_q),
-        p=pair.p,
-        q=pair.q,
-        trunk_p=pair.outline_p[pair.trunk_p],
-        trunk_q=pair.outline_q[pair.trunk_q],
-        bound_p=plan.bound_p,
-        bound_q=plan.bound_q,
-    )
+    return plan.assembled(pieces, pair.outline_p[pair.trunk_p], pair.outline_q[pair.trunk_q])
 
 
 def tile(
