@@ -11,12 +11,15 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
+
+from riot.types import BoolArray
 
 TABLES = ("*.parquet", "qcrs/**/*.parquet")
 TRANSFORMS = "transforms/*.riot"
@@ -36,7 +39,7 @@ def differences(first: Path, second: Path, ignored: Collection[str] = ()) -> Ite
     """
     for path in _files(first, second, TABLES):
         if path.parts[0].removesuffix(".parquet") not in ignored:
-            yield from _either(first / path, second / path, path, lambda a, b, name=path: _tables(a, b, name, ignored))
+            yield from _either(first / path, second / path, path, partial(_tables, path=path, ignored=ignored))
     for path in _files(first, second, (TRANSFORMS,)):
         yield from _either(first / path, second / path, path, _transforms)
     for path in _files(first, second, (PRINTED,)):
@@ -88,10 +91,10 @@ def _columns(left: pa.ChunkedArray, right: pa.ChunkedArray) -> Iterator[str]:
         yield f"{len(rows)} of {len(left)} rows differ, first row {row}: {left[row]!s:.60} and {right[row]!s:.60}"
 
 
-def _differ(left: pa.Array, right: pa.Array) -> np.ndarray:
+def _differ(left: pa.Array, right: pa.Array) -> BoolArray:
     """Whether the rows of two arrays of one type and length differ: (n,) bool."""
     nulls = pc.is_null(left).to_numpy(zero_copy_only=False)
-    differ = nulls != pc.is_null(right).to_numpy(zero_copy_only=False)
+    differ: BoolArray = nulls != pc.is_null(right).to_numpy(zero_copy_only=False)
     if pa.types.is_list(left.type) or pa.types.is_large_list(left.type):
         lengths, others = (pc.fill_null(pc.list_value_length(array), 0).to_numpy() for array in (left, right))
         if not np.array_equal(lengths, others):  # rows of unlike lengths differ; the rest is compared alone
@@ -105,9 +108,9 @@ def _differ(left: pa.Array, right: pa.Array) -> np.ndarray:
     if pa.types.is_floating(left.type):
         values, others = (pc.fill_null(array, 0.0).to_numpy() for array in (left, right))
         bits = np.dtype(f"u{values.dtype.itemsize}")
-        return differ | ((values.view(bits) != others.view(bits)) & ~(np.isnan(values) & np.isnan(others)))
+        return np.asarray(differ | ((values.view(bits) != others.view(bits)) & ~(np.isnan(values) & np.isnan(others))))
     unequal = pc.fill_null(pc.not_equal(left, right), False)
-    return differ | unequal.to_numpy(zero_copy_only=False)
+    return np.asarray(differ | unequal.to_numpy(zero_copy_only=False))
 
 
 def _transforms(first: Path, second: Path) -> Iterator[str]:

@@ -54,11 +54,12 @@ _kept = Kept([])
 def dataflow_steps(paths: Sequence[Path], size: Size) -> list[Row]:
     """The QCRS stage in this process (CPU time) and on several (wall time, times their number)."""
     with tempfile.TemporaryDirectory() as folder:
-        config = Config(DatasetConfig(), store=Path(folder), batch=size.batch)
+        root = Path(folder)
+        config = Config(DatasetConfig(), store=root, batch=size.batch)
         names = [f"{k:06d}" for k in range(len(paths))]
         digests = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
         items = [Item(name, "", str(path), digest) for name, path, digest in zip(names, paths, digests, strict=True)]
-        store = Store(config.store)
+        store = Store(root)
         run = Run(store, lambda event: None, SyncExecutor)
         plan = begin_run(config, Collection("benchmark", tuple(items)), store)
         for name in ("ingest", "trunks"):
@@ -68,7 +69,7 @@ def dataflow_steps(paths: Sequence[Path], size: Size) -> list[Row]:
         plan = plan.with_work("qcrs", BY_NAME["qcrs"].items(plan), plan.done)
         jobs = [item.block for item in plan.work["qcrs"] if item.block is not None]
         stacks = _load(plan, store)
-        return [_row(plan, config.store, stacks, jobs, workers, size) for workers in size.workers]
+        return [_row(plan, root, stacks, jobs, workers, size) for workers in size.workers]
 
 
 def _load(plan: Progress, store: Store) -> list[TrunkStack]:

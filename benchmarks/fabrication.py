@@ -129,6 +129,10 @@ def measured(name: str, transform: Transform, parameters: FabricationParameters,
 
 def file_error(puzzle: BuiltPuzzle) -> float:
     """The greatest relative difference of a volume or area read back; infinite if a solid is not closed."""
+
+    def flat_files(where: Path) -> None:
+        write_flat_files(puzzle.design, where)
+
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "puzzle"
         write_puzzle(
@@ -136,7 +140,7 @@ def file_error(puzzle: BuiltPuzzle) -> float:
             puzzle.parts,
             puzzle.certificate,
             folder,
-            [lambda where: write_flat_files(puzzle.design, where)],
+            [flat_files],
         )
         volumes = {solid_part.name: solid_part.volume for solid_part in puzzle.parts}
         meshes = [(name, trimesh.load_mesh(folder / f"{name}.stl")) for name in volumes]
@@ -162,7 +166,7 @@ def _svg_areas(path: Path) -> list[float]:
 def _dxf_areas(path: Path) -> list[float]:
     """Areas of the closed polylines, mm²."""
     drawn = ezdxf.readfile(path).modelspace()  # type: ignore[attr-defined]
-    return [float(shapely.Polygon(np.array(path.get_points("xy"))).area) for path in drawn]
+    return [float(shapely.Polygon(np.array(path.get_points("xy"))).area) for path in drawn]  # type: ignore[attr-defined]
 
 
 def show(rows: Sequence[Figures]) -> None:
