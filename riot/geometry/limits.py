@@ -30,6 +30,9 @@ def check_file(path: Path, most: int) -> None:
     """Refuse what is longer than ``most`` bytes, and what is no file: reading a pipe or a device might never end.
 
     Raises `TooManyBytes`; OSError for what is missing or no file; ValueError for a path with a null character.
+
+    >>> _ = Path("small.txt").write_text("hello")
+    >>> check_file(Path("small.txt"), 5)
     """
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
@@ -41,7 +44,12 @@ def check_file(path: Path, most: int) -> None:
 
 
 def read_bytes(path: Path, most: int) -> bytes:
-    """Read a file of at most ``most`` bytes; errors as `check_file`."""
+    """Read a file of at most ``most`` bytes; errors as `check_file`.
+
+    >>> _ = Path("small.txt").write_text("hello")
+    >>> read_bytes(Path("small.txt"), 5)
+    b'hello'
+    """
     check_file(path, most)
     with path.open("rb") as file:
         data = file.read(most + 1)

@@ -18,25 +18,42 @@ rounding, far below any length that is seen."""
 
 
 def shifted(values: FloatArray, by: int) -> FloatArray:
-    """Values of a polygon's vertices, (m, …), from vertex ``by`` on: `numpy.roll` by as much the other way, quicker."""
+    """Values of a polygon's vertices, (m, …), from vertex ``by`` on: `numpy.roll` by as much the other way, quicker.
+
+    >>> shifted(np.array([1.0, 2.0, 3.0]), 1).tolist()
+    [2.0, 3.0, 1.0]
+    """
     return np.concatenate([values[by:], values[:by]])
 
 
 def extent(points: FloatArray) -> float:
-    """The longer side of the upright box around (m, 2) points, m ≥ 1."""
+    """The longer side of the upright box around (m, 2) points, m ≥ 1.
+
+    >>> extent(np.array([[0.0, 0.0], [3.0, 4.0], [1.0, 1.0]]))
+    4.0
+    """
     x, y = points[:, 0], points[:, 1]
     return max(float(x.max() - x.min()), float(y.max() - y.min()))
 
 
 def signed_area(points: FloatArray) -> float:
-    """Area of an (m, 2) polygon, positive when counter-clockwise (y upwards)."""
+    """Area of an (m, 2) polygon, positive when counter-clockwise (y upwards).
+
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> float(signed_area(square)), float(signed_area(square[::-1]))
+    (4.0, -4.0)
+    """
     local = points - points[0]  # far from the origin the products would cancel
     x, y = local[:, 0], local[:, 1]
     return 0.5 * float(np.dot(x, shifted(y, 1)) - np.dot(y, shifted(x, 1)))
 
 
 def centroid(points: FloatArray) -> FloatArray:
-    """Centre of mass, (2,), of the region inside an (m, 2) polygon; of zero area: the mean vertex."""
+    """Centre of mass, (2,), of the region inside an (m, 2) polygon; of zero area: the mean vertex.
+
+    >>> centroid(np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]])).round(6).tolist()
+    [1.0, 1.0]
+    """
     local = points - points[0]
     following = shifted(local, 1)
     cross = local[:, 0] * following[:, 1] - local[:, 1] * following[:, 0]
@@ -49,13 +66,21 @@ def centroid(points: FloatArray) -> FloatArray:
 
 
 def edge_lengths(points: FloatArray) -> FloatArray:
-    """Lengths, (m,), of a polygon's edges; edge i runs from vertex i to i + 1, the last to vertex 0."""
+    """Lengths, (m,), of a polygon's edges; edge i runs from vertex i to i + 1, the last to vertex 0.
+
+    >>> edge_lengths(np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]])).tolist()
+    [3.0, 4.0, 5.0]
+    """
     step = shifted(points, 1) - points
     return np.hypot(step[:, 0], step[:, 1])
 
 
 def arc_length(points: FloatArray) -> FloatArray:
-    """Length along a closed polygon from vertex 0 to each vertex, (m + 1,); the last is the perimeter."""
+    """Length along a closed polygon from vertex 0 to each vertex, (m + 1,); the last is the perimeter.
+
+    >>> arc_length(np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]])).tolist()
+    [0.0, 3.0, 7.0, 12.0]
+    """
     lengths = np.zeros(len(points) + 1)
     np.cumsum(edge_lengths(points), out=lengths[1:])
     return lengths
@@ -66,6 +91,9 @@ def swept_area(points: FloatArray) -> FloatArray:
 
     The last is the polygon's area; the region between a section of boundary and its chord has the difference of two
     entries, plus the area of the chord's triangle with the origin.
+
+    >>> swept_area(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])).tolist()
+    [0.0, 0.0, 2.0, 4.0, 4.0]
     """
     following = shifted(points, 1)
     cross = points[:, 0] * following[:, 1] - points[:, 1] * following[:, 0]
@@ -77,6 +105,10 @@ def interior_angles(points: FloatArray) -> FloatArray:
 
     The outside angle θ of the paper is 2π minus this. A vertex that coincides with a neighbour has no angle
     and gets an arbitrary one.
+
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> np.degrees(interior_angles(square)).round(6).tolist()
+    [90.0, 90.0, 90.0, 90.0]
     """
     forward = shifted(points, 1) - points
     back = shifted(points, -1) - points
@@ -88,13 +120,23 @@ def interior_angles(points: FloatArray) -> FloatArray:
 
 
 def trunk_angles(points: FloatArray) -> FloatArray:
-    """Interior angles, (n,), radians in (0, π), of a convex polygon listed in either orientation."""
+    """Interior angles, (n,), radians in (0, π), of a convex polygon listed in either orientation.
+
+    >>> triangle = np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]])
+    >>> np.degrees(trunk_angles(triangle)).round(6).tolist()
+    [90.0, 45.0, 45.0]
+    """
     angles = interior_angles(points)
     return np.minimum(angles, 2.0 * np.pi - angles)
 
 
 def is_simple(points: FloatArray) -> bool:
-    """Whether an (m, 2) polygon is a valid region: ≥ 3 vertices, area, no self-crossing or self-touching."""
+    """Whether an (m, 2) polygon is a valid region: ≥ 3 vertices, area, no self-crossing or self-touching.
+
+    >>> bow = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]])
+    >>> is_simple(bow), is_simple(bow[[0, 2, 1, 3]])
+    (False, True)
+    """
     if len(points) < 3 or not np.isfinite(points).all():
         return False
     return bool(shapely.is_valid(shapely.Polygon(points)))
@@ -105,6 +147,9 @@ def simplify_open(points: FloatArray, tolerance: float) -> IntArray:
 
     Both ends are kept. ``tolerance`` is in the units of ``points``: every dropped vertex lies within it
     of the chord over it.
+
+    >>> simplify_open(np.array([[0.0, 0.0], [1.0, 0.01], [2.0, 0.0], [2.0, 1.0]]), 0.1).tolist()
+    [0, 2, 3]
     """
     if len(points) < 3:
         return np.arange(len(points), dtype=np.int64)
@@ -120,6 +165,10 @@ def simplify(points: FloatArray, tolerance: float) -> IntArray:
     tolerance scaled) size. k ≥ 2; k = 2 only for a polygon as thin as the tolerance. A vertex of an exactly
     symmetric polygon may be replaced by its mirror image when the polygon is turned or mirrored. ``tolerance`` is in
     the units of ``points``.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> simplify(square, 0.1).tolist()
+    [0, 2, 3, 4]
     """
     m = len(points)
     if m < 3:
@@ -130,7 +179,12 @@ def simplify(points: FloatArray, tolerance: float) -> IntArray:
 
 
 def at_length(points: FloatArray, positions: FloatArray) -> FloatArray:
-    """Points, (k, 2), at arc-length ``positions``, (k,), from vertex 0 of a polygon; they wrap around."""
+    """Points, (k, 2), at arc-length ``positions``, (k,), from vertex 0 of a polygon; they wrap around.
+
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> at_length(square, np.array([1.0, 3.0])).tolist()
+    [[1.0, 0.0], [2.0, 1.0]]
+    """
     lengths = arc_length(points)
     closed = np.concatenate([points, points[:1]])
     return _interpolate(closed, lengths, np.mod(positions, lengths[-1]))
@@ -148,6 +202,11 @@ def insert_midpoints(points: FloatArray, kept: IntArray, spacing: float) -> tupl
         In the polygon's order, starting at ``points[kept[0]]``.
     is_kept : (n,) bool
         True at the kept vertices.
+
+    >>> triangle = np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]])
+    >>> points, feature = insert_midpoints(triangle, np.arange(3), 1.5)
+    >>> len(points), int(feature.sum())
+    (6, 3)
     """
     lengths = arc_length(points)
     positions, is_kept = halved(lengths[kept], float(lengths[-1]), float(spacing))
@@ -161,6 +220,10 @@ def spread(points: FloatArray, kept: IntArray, spacing: float) -> IntArray:
 
     The vertex nearest to each midpoint, by arc length, replaces it. Where the polygon has too few vertices, the
     spacing stays wider.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> spread(square, np.array([0, 3]), 2.5).tolist()
+    [0, 2, 3, 4]
     """
     lengths = arc_length(points)
     positions, is_kept = halved(lengths[kept], float(lengths[-1]), float(spacing))
@@ -175,5 +238,9 @@ def _interpolate(points: FloatArray, lengths: FloatArray, positions: FloatArray)
 
 
 def farthest(points: FloatArray, origin: FloatArray) -> int:
-    """Index of the vertex farthest from ``origin``; ties go to least x, then least y."""
+    """Index of the vertex farthest from ``origin``; ties go to least x, then least y.
+
+    >>> farthest(np.array([[0.0, 0.0], [3.0, 4.0], [1.0, 1.0]]), np.zeros(2))
+    1
+    """
     return int(farthest_vertex(np.array(points, dtype=np.float64, order="C"), float(origin[0]), float(origin[1])))

@@ -21,6 +21,10 @@ def read(path: str | os.PathLike[str], parameters: ShapeParameters | None = None
     """Read the silhouette in a picture or SVG file; the content decides which it is.
 
     The shape's name is the file's, without suffix. Raises `SilhouetteError` as `read_image` and `read_svg`.
+
+    >>> _ = Path("square.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H9V9H0z"/></svg>')
+    >>> round(read("square.svg").perimeter, 6)
+    4.0
     """
     return read_svg(path, parameters) if svg_outline.looks_like_svg(path) else read_image(path, parameters)
 
@@ -37,6 +41,11 @@ def read_image(path: str | os.PathLike[str], parameters: ShapeParameters | None 
     SilhouetteError
         ``unreadable``, ``not-a-picture``, ``too-large``, ``one-colour``, ``all-border``, ``too-small``,
         ``degenerate``, ``self-crossing``.
+
+    >>> from PIL import Image
+    >>> Image.fromarray(np.pad(np.full((40, 40), 255, np.uint8), 10)).save("square.png")
+    >>> round(read_image("square.png").perimeter, 1)
+    3.9
     """
     chosen = parameters or ShapeParameters()
     picture = decode(path, chosen.max_pixels)
@@ -52,13 +61,22 @@ def read_svg(path: str | os.PathLike[str], parameters: ShapeParameters | None = 
     ------
     SilhouetteError
         ``unreadable``, ``unsupported``, ``empty``, ``degenerate``, ``self-crossing``, ``too-large``.
+
+    >>> _ = Path("square.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H9V9H0z"/></svg>')
+    >>> read_svg("square.svg").name
+    'square'
     """
     chosen = parameters or ShapeParameters()
     return outline_shape(svg_outline.outline(path), Path(path).stem, str(path), chosen, y_down=True)
 
 
 def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
-    """Make a shape of a (rows, columns) array of booleans or grey values; polarity, errors as `read_image`."""
+    """Make a shape of a (rows, columns) array of booleans or grey values; polarity, errors as `read_image`.
+
+    >>> disc = np.hypot(*np.mgrid[-20:21, -20:21]) < 15
+    >>> round(mask_shape(disc, "disc").perimeter, 1)
+    3.6
+    """
     chosen = parameters or ShapeParameters()
     where = name or "the array"
     try:
@@ -88,6 +106,9 @@ def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParame
     SilhouetteError
         ``unreadable`` (not numbers), ``degenerate`` (fewer than three distinct points, or no area), ``self-crossing``,
         ``too-large``.
+
+    >>> polygon_shape([(0, 0), (4, 0), (4, 3)], "triangle").perimeter.__round__(3)
+    4.899
     """
     where = name or "the polygon"
     try:

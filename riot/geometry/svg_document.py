@@ -52,6 +52,11 @@ def load(path: str | os.PathLike[str]) -> ElementTree.Element:
         ``unreadable``, ``too-large``, ``unsupported``.
     OSError
         The machine failed (`riot.geometry.machine_errors`): nothing is known of the file.
+
+    >>> from pathlib import Path
+    >>> _ = Path("square.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H9V9H0z"/></svg>')
+    >>> len(load("square.svg"))
+    1
     """
     where = Path(path)
     try:

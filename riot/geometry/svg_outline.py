@@ -50,6 +50,11 @@ def looks_like_svg(path: str | os.PathLike[str]) -> bool:
 
     Raises OSError when the machine fails (`riot.geometry.machine_errors`): otherwise a drawing would count as a
     broken picture.
+
+    >>> from pathlib import Path
+    >>> _ = Path("drawing").write_text("<svg/>")
+    >>> looks_like_svg("drawing")
+    True
     """
     try:
         check_file(Path(path), PICTURE_BYTES)
@@ -77,6 +82,11 @@ def outline(path: str | os.PathLike[str]) -> FloatArray:
     SilhouetteError
         ``unreadable`` (missing, not XML, no SVG), ``unsupported`` (declarations, references to other files,
         masks), ``too-large``, ``empty`` (nothing filled).
+
+    >>> from pathlib import Path
+    >>> _ = Path("square.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H9V9H0z"/></svg>')
+    >>> len(outline("square.svg"))
+    4
     """
     where = str(path)
     tree = load(path)

@@ -147,6 +147,9 @@ def check_value(name: str, kind: Any, declared: Parameter | None, value: Any) ->
 
     The bounds of a list are those of each entry. Raises `riot.errors.ParameterError`, which names the parameter, what
     is allowed, and the value.
+
+    >>> check_value("spacing", float, None, 20)
+    20.0
     """
     if declared is not None and declared.parse is not None:
         try:
@@ -194,7 +197,11 @@ def _wrong_type(kinds: Sequence[Any], value: Any) -> str:
 
 
 def type_name(kind: Any) -> str:
-    """A type in words, such as ``a whole number or null``."""
+    """A type in words, such as ``a whole number or null``.
+
+    >>> type_name(float), type_name(int)
+    ('a number', 'a whole number')
+    """
     if typing.get_origin(kind) in (typing.Union, types.UnionType):
         return " or ".join(type_name(option) for option in typing.get_args(kind))
     if typing.get_origin(kind) is Literal:

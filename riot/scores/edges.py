@@ -23,6 +23,10 @@ def admissible_edges(
     ``min_inside`` of the edge is inside the closed shape. A value within `riot.kernels.simplify.TIE` of a limit counts
     as on it, so that rounding does not choose among the trunks of symmetric shapes (ours). ``convex``: the shape's
     `riot.scores.vertices.convex_points`, computed if not given.
+
+    >>> from riot.scores.vertices import sparse_points
+    >>> admissible_edges(house, sparse_points(house, TrunkParameters())[:4], TrunkParameters()).shape
+    (4, 4)
     """
     lengths = arc_length(shape.points)
     arcs = _arcs(lengths, candidates)
@@ -35,7 +39,11 @@ def admissible_edges(
 
 
 def exterior_areas(points: FloatArray, candidates: IntArray) -> FloatArray:
-    """(c, c) signed area between the boundary from candidate i to j and the edge i–j; positive outside the edge."""
+    """(c, c) signed area between the boundary from candidate i to j and the edge i–j; positive outside the edge.
+
+    >>> exterior_areas(house.points, np.array([0, 40, 80])).shape
+    (3, 3)
+    """
     running = swept_area(points)
     swept = running[candidates][None, :] - running[candidates][:, None]
     swept = np.where(candidates[None, :] < candidates[:, None], swept + running[-1], swept)

@@ -108,7 +108,13 @@ class Partners:
 
 
 def join(stacks: Sequence[TrunkStack]) -> TrunkStack:
-    """The shapes of several stacks as one stack."""
+    """The shapes of several stacks as one stack.
+
+    >>> from riot.scores.trunk_stack import stack
+    >>> from riot.scores.trunks import quick_trunks
+    >>> len(join([stack([quick_trunks(house)]), stack([quick_trunks(kite)])]))
+    2
+    """
     if len(stacks) == 1:
         return stacks[0]
 
@@ -137,6 +143,12 @@ def best_partners(
     ``itself`` gives the number of every query shape in the index, which is no partner, or −1. In the
     scores, i numbers the query's shapes and j the index's. Exact; among equals the first by (j; trunks; shift).
     Raises ValueError if ``count`` < 1.
+
+    >>> from riot.scores.trunk_stack import stack
+    >>> from riot.scores.trunks import quick_trunks
+    >>> both = stack([quick_trunks(house), quick_trunks(kite)])
+    >>> best_partners(TrunkIndex.build([both]), both.shape(0), 1, itself=[0]).scores.j.tolist()
+    [1]
     """
     if count < 1:
         raise ValueError(f"best_partners({count=}): ask for one partner at least")
@@ -148,7 +160,15 @@ def best_partners(
 
 
 def best_pairs(index: TrunkIndex, count: int, parameters: QcrsParameters | None = None, least: float = 0.0) -> Partners:
-    """The ``count`` best pairs i < j of the index that score above 0 and at least ``least``, best first; exact."""
+    """The ``count`` best pairs i < j of the index that score above 0 and at least ``least``, best first; exact.
+
+    >>> from riot.scores.trunk_stack import stack
+    >>> from riot.scores.trunks import quick_trunks
+    >>> both = stack([quick_trunks(house), quick_trunks(kite)])
+    >>> best = best_pairs(TrunkIndex.build([both]), 1).scores
+    >>> best.i.tolist(), best.j.tolist()
+    ([0], [1])
+    """
     if count < 1:
         raise ValueError(f"best_pairs({count=}): ask for one pair at least")
     limit = float(distance_of(least))

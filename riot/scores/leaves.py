@@ -38,7 +38,12 @@ class RaggedTrunks(Protocol):
 
 
 def gather_leaves(trunks: RaggedTrunks) -> npt.NDArray[np.int32]:
-    """(l, 16) numbers of similar trunks of one n, in order of n: the leaves of the search (ours)."""
+    """(l, 16) numbers of similar trunks of one n, in order of n: the leaves of the search (ours).
+
+    >>> from riot.scores.trunks import quick_trunks
+    >>> gather_leaves(quick_trunks(house)).shape[1]
+    16
+    """
     usual = QcrsParameters()
     sizes = np.diff(trunks.offsets)
     order = np.argsort(sizes, kind="stable")

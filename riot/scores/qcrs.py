@@ -60,6 +60,11 @@ def score_block(
 
     Pairs come in order (i, j). Among trunk pairs of equal score the first by (trunk_i, trunk_j, shift) is reported. Of
     pairs that score below ``least`` no more than that need be known: theirs may be reported as 0, without trunks.
+
+    >>> from riot.scores.trunks import quick_trunks
+    >>> houses, kites = stack([quick_trunks(house)]), stack([quick_trunks(kite)])
+    >>> score_block(houses, kites).score.round(3).tolist()
+    [0.991]
     """
     return score_pairs(a, b, _all_pairs(a, b, same), parameters, least)
 
@@ -71,7 +76,13 @@ def score_pairs(
     parameters: QcrsParameters | None = None,
     least: float | FloatArray = 0.0,
 ) -> BlockScores:
-    """QCRS of ``pairs`` (k, 2) of shapes of ``a`` and of ``b``; ``least`` as for `score_block`, or (k,), one a pair."""
+    """QCRS of ``pairs`` (k, 2) of shapes of ``a`` and of ``b``; ``least`` as for `score_block`, or (k,), one a pair.
+
+    >>> from riot.scores.trunks import quick_trunks
+    >>> both = stack([quick_trunks(house), quick_trunks(kite)])
+    >>> score_pairs(both, both, np.array([[0, 1]])).score.round(3).tolist()
+    [0.991]
+    """
     parameters = parameters or QcrsParameters()
     distance = np.empty(len(pairs))
     winners = np.empty((len(pairs), 3), dtype=np.int32)
@@ -86,7 +97,11 @@ where the root magnifies it."""
 
 
 def distance_of(score: float | FloatArray) -> FloatArray:
-    """D of a score exp(−D²/2), rounded up so that no pair of that score is farther; inf for 0."""
+    """D of a score exp(−D²/2), rounded up so that no pair of that score is farther; inf for 0.
+
+    >>> distance_of(np.array([1.0, 0.5])).round(4).tolist()
+    [0.0, 1.1774]
+    """
     with np.errstate(divide="ignore"):
         exact: FloatArray = np.sqrt(-2.0 * np.log(np.asarray(score, dtype=np.float64)))
     return np.where(np.isinf(exact), exact, exact * (1.0 + _SCORE_SLACK) + _DISTANCE_SLACK)
@@ -95,7 +110,13 @@ def distance_of(score: float | FloatArray) -> FloatArray:
 def brute_force(
     a: TrunkStack, b: TrunkStack, parameters: QcrsParameters | None = None, same: bool = False
 ) -> BlockScores:
-    """The same as `score_block` by trying everything: the reference of its tests and benchmarks."""
+    """The same as `score_block` by trying everything: the reference of its tests and benchmarks.
+
+    >>> from riot.scores.trunks import quick_trunks
+    >>> houses, kites = stack([quick_trunks(house)]), stack([quick_trunks(kite)])
+    >>> bool(np.isclose(brute_force(houses, kites).score, score_block(houses, kites).score).all())
+    True
+    """
     parameters = parameters or QcrsParameters()
     pairs = _all_pairs(a, b, same)
     distance = np.empty(len(pairs))
@@ -139,7 +160,11 @@ def qcrs(
 
 
 def corresponding(trunk_b: npt.NDArray[Any], shift: int) -> npt.NDArray[Any]:
-    """Reorder b's trunk vertices so that entry k corresponds to vertex k of a's trunk: (shift − k) mod n."""
+    """Reorder b's trunk vertices so that entry k corresponds to vertex k of a's trunk: (shift − k) mod n.
+
+    >>> corresponding(np.array([10, 11, 12, 13]), 1).tolist()
+    [11, 10, 13, 12]
+    """
     n = len(trunk_b)
     return trunk_b[(shift - np.arange(n)) % n]
 

@@ -105,7 +105,11 @@ def roundness(perimeter: float, sigma_pa: float = 1.0) -> float:
 
 
 def concave_points(points: FloatArray, tolerance: float) -> IntArray:
-    """Indices, (c,) int64, sorted, of the concave vertices of a counter-clockwise polygon after Douglas–Peucker."""
+    """Indices, (c,) int64, sorted, of the concave vertices of a counter-clockwise polygon after Douglas–Peucker.
+
+    >>> concave_points(house.points, 0.01).tolist()
+    []
+    """
     kept = simplify(points, tolerance)
     corners = points[kept]
     arriving = corners - shifted(corners, -1)
@@ -122,6 +126,9 @@ def cut_off(shape: Shape, necks: Reversibility, width: float | None = None) -> B
     A neck narrower than ``width`` (default ``0.2·D_c``) cuts off the points strictly between its ends on the
     shorter side along the boundary; if both sides are equally long, neither. Ours: a neck whose ratio is below
     that of a half disc cuts off nothing, since that is a bump of the outline and no limb.
+
+    >>> int(cut_off(house, reversibility(house)).sum())
+    0
     """
     limit = TrunkParameters().neck_width * D_C if width is None else width
     arc = arc_length(shape.points)

@@ -153,6 +153,9 @@ def compared_trunks(
 
     ``paper``: quick trunks (§5.2). ``tuned``: full trunks (§4.1), so that both scores choose among the same trunks,
     with the same outside angles (ours). ``necks`` is called by the paper variant alone, instead of `reversibility`.
+
+    >>> len(compared_trunks(house, "tuned")) == len(full_trunks(house))
+    True
     """
     if variant == "tuned":
         return full_trunks(shape, parameters)

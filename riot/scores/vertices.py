@@ -40,18 +40,30 @@ class Congruency:
 
 
 def sparse_points(shape: Shape, parameters: TrunkParameters) -> IntArray:
-    """Indices, (k,) int64 sorted, of the sparse boundary points: feature points, then midpoints (paper §4.1.2)."""
+    """Indices, (k,) int64 sorted, of the sparse boundary points: feature points, then midpoints (paper §4.1.2).
+
+    >>> len(sparse_points(house, TrunkParameters()))
+    24
+    """
     features = simplify(shape.points, parameters.sparse_tolerance * L_C)
     return spread(shape.points, features, L_C / parameters.spacing)
 
 
 def break_points(shape: Shape, parameters: TrunkParameters) -> IntArray:
-    """Indices, (b,) int64 sorted, of the boundary simplified with τ_s."""
+    """Indices, (b,) int64 sorted, of the boundary simplified with τ_s.
+
+    >>> len(break_points(house, TrunkParameters()))
+    5
+    """
     return simplify(shape.points, parameters.tau_s)
 
 
 def convex_points(shape: Shape, parameters: TrunkParameters) -> IntArray:
-    """Indices of the convex points of the boundary simplified with τ_s; their number is the paper's K."""
+    """Indices of the convex points of the boundary simplified with τ_s; their number is the paper's K.
+
+    >>> len(convex_points(house, TrunkParameters()))
+    5
+    """
     breaks = break_points(shape, parameters)
     if len(breaks) < 3:
         return breaks
@@ -63,6 +75,9 @@ def passes_visibility(shape: Shape, indices: IntArray) -> BoolArray:
 
     Too much is the area of a circle with the perimeter of the visible region, or half the boundary in one hidden
     region.
+
+    >>> bool(passes_visibility(house, np.arange(3)).all())
+    True
     """
     lengths = arc_length(shape.points)
     area, perimeter, hidden = seen_from(shape.points, lengths, indices).T
@@ -77,6 +92,10 @@ def congruency(shape: Shape, indices: IntArray, parameters: TrunkParameters) -> 
     Candidates for ℓ are the distances along the boundary to the break points of the simplified boundary. The boundary
     of length ℓ behind the point is turned about it onto that ahead, by the least-squares angle. The longest ℓ whose
     discrete Fréchet distance gives S_c ≥ τ_c counts.
+
+    >>> corner = sparse_points(house, TrunkParameters())[:1]
+    >>> congruency(house, corner, TrunkParameters()).score.shape
+    (1,)
     """
     lengths = arc_length(shape.points)
     sigma = parameters.sigma_c * D_C
@@ -88,5 +107,10 @@ def congruency(shape: Shape, indices: IntArray, parameters: TrunkParameters) -> 
 
 
 def local_outside_angles(shape: Shape, indices: IntArray, parameters: TrunkParameters) -> FloatArray:
-    """(k,) θ, radians, from the boundary next to each point (paper §5.2)."""
+    """(k,) θ, radians, from the boundary next to each point (paper §5.2).
+
+    >>> angles = local_outside_angles(house, convex_points(house, TrunkParameters()), TrunkParameters())
+    >>> sorted(np.degrees(angles).round().tolist())
+    [225.0, 225.0, 270.0, 270.0, 270.0]
+    """
     return local_turns(shape.points, arc_length(shape.points), indices, L_C / parameters.local)

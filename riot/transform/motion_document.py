@@ -13,7 +13,12 @@ ATTEMPT = ("first", "pieces", "search", "free", "checks")
 
 
 def to_document(motion: Motion) -> dict[str, Any]:
-    """A motion without what its transform holds already."""
+    """A motion without what its transform holds already.
+
+    >>> from riot.motion import plan_motion
+    >>> sorted(to_document(plan_motion(transform)))[:3]
+    ['gap', 'levels', 'lifted']
+    """
     return {
         "open_hinge": motion.open_hinge,
         "lifted": list(motion.lifted),
@@ -28,7 +33,13 @@ def to_document(motion: Motion) -> dict[str, Any]:
 
 
 def from_document(document: Any, chain: Chain, place_p: Placement, place_q: Placement) -> Motion:
-    """Read what `to_document` wrote, for the transform with this chain; KeyError, TypeError, ValueError if damaged."""
+    """Read what `to_document` wrote, for the transform with this chain; KeyError, TypeError, ValueError if damaged.
+
+    >>> from riot.motion import plan_motion
+    >>> motion = plan_motion(transform)
+    >>> from_document(to_document(motion), transform.chain, transform.place_p, transform.place_q) == motion
+    True
+    """
     n = len(chain.lengths)
     times = _numbers(document["times"], "times", (-1,))
     turns = _numbers(document["turns"], "turns", (len(times), n))

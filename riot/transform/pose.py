@@ -98,6 +98,9 @@ def lay(chain: Chain, t: float, open_hinge: int = 0, turns: FloatArray | None = 
     """Lay the chain from the piece after the open hinge, that piece's edge on the x-axis from the origin.
 
     Its hinges are turned by ``turns`` (n,), radians; without them by those of an even swing at time t.
+
+    >>> lay(transform.chain, 0.0).origins.shape
+    (4, 2)
     """
     n = len(chain.lengths)
     turns = chain.turns(t) if turns is None else turns
@@ -121,6 +124,10 @@ def swing(
 
     Every hinge turns evenly, or is turned by ``turns`` (n,), radians. Between the ends the chain as a whole turns
     evenly, by the least total turn of its mean heading, and the mean of its edges' middles moves on a straight line.
+
+    >>> start = swing(transform.chain, transform.place_p, transform.place_q, 0.0)
+    >>> bool(np.allclose(start.origins, transform.pose(0.0).origins))
+    True
     """
     closed_p, closed_q = lay(chain, 0.0, open_hinge), lay(chain, 1.0, open_hinge)
     turn_p = place_p.heading - float(closed_p.headings[0])
