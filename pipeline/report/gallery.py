@@ -35,6 +35,7 @@ ORDERS: Mapping[str, SortOrder] = {
     "distance": SortOrder("mean distance", lambda row: max(row.mean_distance_p, row.mean_distance_q)),
     "bending": SortOrder("bending", lambda row: max(row.bending_p, row.bending_q)),
     "direction": SortOrder("directions off", lambda row: max(row.direction_p, row.direction_q)),
+    "limbs": SortOrder("limbs kept (clDice)", lambda row: row.cldice, greatest_first=True),
     "n": SortOrder("pieces", lambda row: row.n),
 }
 """Of two shapes the worse one counts, as everywhere."""

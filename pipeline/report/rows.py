@@ -50,6 +50,9 @@ class TransformRow:
     bending_q: float
     direction_p: float
     direction_q: float
+    cldice: float
+    centreline_recall_p: float
+    centreline_recall_q: float
     overlap_p: float
     overlap_q: float
     gap_p: float

@@ -2,7 +2,7 @@
 
 `riot.transform.transform.Transform` and `riot.transform.motion.Motion` hold values and compute poses from them;
 everything else is a function. Nothing here plans, draws or constructs; a file reads back equal to the last bit
-(tests/unit/test_transform.py, tests/property/test_fidelity.py).
+(tests/unit/test_transform.py, tests/property/test_fidelity.py, test_centreline.py).
 """
 
 import lazy_loader

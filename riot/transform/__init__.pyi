@@ -1,3 +1,4 @@
+from . import centreline as centreline
 from . import certificate as certificate
 from . import deformation as deformation
 from . import fidelity as fidelity

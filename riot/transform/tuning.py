@@ -47,3 +47,9 @@ DISPLACEMENT_WINDOW = L_C / 15
 
 LONE_STEP_COST = 0.1
 """Radians: cost of a step on one outline only, so that outlines correspond evenly where directions do not tell."""
+
+# Centre lines
+
+CENTRE_LINE_STEP = L_C / 400
+"""Length: side of the grid's cells that a shape is drawn on to find its centre line; less than half the width of the
+limbs that a unit-area shape has at a hundred points along its outline."""
