@@ -8,10 +8,11 @@ in subclasses for the sake of type checkers, and attached to the classes of the 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from typing import ParamSpec, TypeVar, cast
+from collections.abc import Callable, Mapping
+from typing import Any, ParamSpec, Protocol, TypeVar, cast
 
 import numpy.typing as npt
+from PIL.Image import Image
 
 from riot import draw, geometry
 from riot.construction import trunk_choice
@@ -27,7 +28,15 @@ Class = TypeVar("Class", bound=type)
 Parameters = ParamSpec("Parameters")
 
 
-_OFFERED = ("__repr__",)
+class SupportsGeoInterface(Protocol):
+    """What geographic libraries agree on: an object that says what it is as GeoJSON."""
+
+    @property
+    def __geo_interface__(self) -> Mapping[str, Any]:
+        """A GeoJSON geometry, feature or collection."""
+
+
+_OFFERED = ("__repr__", "__geo_interface__")
 """Special names that these classes declare; all others of a class body are Python's own."""
 
 
@@ -45,17 +54,30 @@ class Shape(shape_module.Shape):
     """A silhouette as a polygon; see `riot.geometry.shape.Shape`."""
 
     @classmethod
-    def from_image(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
-        """Read the silhouette in a picture; see `riot.geometry.silhouette.read_image`.
+    def from_image(
+        cls,
+        image: str | os.PathLike[str] | npt.ArrayLike | Image,
+        parameters: ShapeParameters | None = None,
+        name: str = "",
+    ) -> Shape:
+        """Read the silhouette in a picture: a file, an array of pixels, or a Pillow image.
+
+        See `riot.geometry.silhouette.read_image` for files and `riot.geometry.pixels.pixels_shape` for the others.
+        The name is by default that of the file.
 
         >>> from PIL import Image, ImageDraw
         >>> picture = Image.new("L", (256, 256))
         >>> ImageDraw.Draw(picture).ellipse((8, 8, 248, 248), fill=255)
-        >>> picture.save("disc.png")
-        >>> round(Shape.from_image("disc.png").perimeter, 1)  # 2√π
+        >>> round(Shape.from_image(picture, name="disc").perimeter, 1)  # 2√π
         3.5
+        >>> picture.save("disc.png")
+        >>> Shape.from_image("disc.png") == Shape.from_image(picture, name="disc")
+        True
         """
-        return cast(Shape, geometry.silhouette.read_image(path, parameters))
+        if isinstance(image, str | os.PathLike):
+            shape = geometry.silhouette.read_image(image, parameters)
+            return cast(Shape, shape.renamed(name) if name else shape)
+        return cast(Shape, geometry.pixels.pixels_shape(image, name, parameters))
 
     @classmethod
     def from_svg(cls, path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
@@ -70,13 +92,37 @@ class Shape(shape_module.Shape):
         return cast(Shape, geometry.silhouette.read_svg(path, parameters))
 
     @classmethod
-    def from_polygon(cls, points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
-        """Make a shape of an (m, 2) polygon in either orientation; see `riot.geometry.silhouette.polygon_shape`.
+    def from_polygon(
+        cls,
+        polygon: npt.ArrayLike | Mapping[str, Any] | SupportsGeoInterface,
+        name: str = "",
+        parameters: ShapeParameters | None = None,
+    ) -> Shape:
+        """Make a shape of a polygon in either orientation, y upwards.
+
+        ``polygon`` is an (m, 2) array; a polygon of shapely or any other object with ``__geo_interface__``, such as an
+        element of a GeoSeries; or a GeoJSON mapping. Holes are filled, with a warning. The name is by default that in
+        a feature's properties. Coordinates are taken as they are: project degrees first. See
+        `riot.geometry.silhouette.polygon_shape` and `riot.geometry.geojson.read_outer_ring`, also for errors.
 
         >>> round(Shape.from_polygon([(0, 0), (4, 0), (4, 3)], name="triangle").perimeter, 3)  # of unit area
         4.899
+        >>> import shapely
+        >>> Shape.from_polygon(shapely.box(0, 0, 9, 1), name="bar")
+        Shape('bar', 56 points)
         """
-        return cast(Shape, geometry.silhouette.polygon_shape(points, name, parameters))
+        ring = geometry.geojson.read_outer_ring(polygon, name or "the polygon")
+        return cast(Shape, geometry.silhouette.polygon_shape(ring.points, name or ring.name, parameters))
+
+    @property
+    def __geo_interface__(self) -> dict[str, Any]:
+        """The outline, in the unit-area frame, as a GeoJSON feature with the shape's name; `source` maps points back.
+
+        >>> import shapely.geometry
+        >>> round(shapely.geometry.shape(house).area, 9)
+        1.0
+        """
+        return geometry.geojson.polygon_feature(self.points, name=self.name)
 
 
 @_attach_to_base
@@ -88,6 +134,24 @@ class Transform(transform_module.Transform):
         words = "exact" if self.certificate().passed else "approximate"
         names = f"{self.p.name!r} ⇄ {self.q.name!r}"
         return f"Transform({names}, {count(len(self), 'piece')}, IoU {min(self.overlap_ratios):.3f}, {words})"
+
+    @property
+    def __geo_interface__(self) -> dict[str, Any]:
+        """The pieces, where they make P and again where they make Q, as a GeoJSON collection of features.
+
+        The properties of a feature are ``piece``, its number in the chain, and ``shape``, "P" or "Q", in whose frame
+        its outline is; ``name`` is that shape's name.
+
+        >>> pieces = transform.__geo_interface__["features"]
+        >>> len(pieces), pieces[0]["properties"]
+        (8, {'piece': 0, 'shape': 'P', 'name': 'house'})
+        """
+        features = [
+            geometry.geojson.polygon_feature(outline, piece=piece, shape=side, name=name)
+            for side, t, name in (("P", 0.0, self.p.name), ("Q", 1.0, self.q.name))
+            for piece, outline in enumerate(self.parts(self.pose(t)))
+        ]
+        return {"type": "FeatureCollection", "features": features}
 
     def certificate(self) -> certificate.Certificate:
         """Verify the two assemblies, once; see `riot.transform.certificate.certify`.

@@ -1,9 +1,11 @@
 from . import contour as contour
 from . import crossings as crossings
+from . import geojson as geojson
 from . import limits as limits
 from . import machine_errors as machine_errors
 from . import outline as outline
 from . import picture as picture
+from . import pixels as pixels
 from . import polyline as polyline
 from . import shape as shape
 from . import silhouette as silhouette

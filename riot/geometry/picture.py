@@ -71,7 +71,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
                 image.load()
                 if not image.width * image.height:
                     raise _damaged(where, ValueError("no pixels"))
-                return _grey(image)
+                return grey_picture(image)
     except SilhouetteError:
         raise
     except UnidentifiedImageError as error:
@@ -96,7 +96,12 @@ def _damaged(where: Path, error: Exception) -> SilhouetteError:
     return SilhouetteError("unreadable", f"{where}: cannot be read ({reason}); restore the file or save it again")
 
 
-def _grey(image: Image.Image) -> Picture:
+def grey_picture(image: Image.Image) -> Picture:
+    """A loaded Pillow image as grey values or, where its opacity varies, as opacity.
+
+    >>> grey_picture(Image.new("L", (4, 3), 7)).grey.shape
+    (3, 4)
+    """
     factor = max(1, -(-max(image.size) // WORKING_SIDE))
     if image.mode in ("I", "F", "I;16", "I;16L", "I;16B"):
         values = np.asarray(image, dtype=np.float64)

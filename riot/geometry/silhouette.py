@@ -49,7 +49,7 @@ def read_image(path: str | os.PathLike[str], parameters: ShapeParameters | None 
     """
     chosen = parameters or ShapeParameters()
     picture = decode(path, chosen.max_pixels)
-    return _picture_shape(picture, Path(path).stem, str(path), chosen)
+    return picture_shape(picture, Path(path).stem, str(path), chosen)
 
 
 def read_svg(path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
@@ -92,7 +92,7 @@ def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters 
         raise SilhouetteError(
             "unreadable", f"{where}: the grey values are beyond {SCALES[0]} … {SCALES[1]}; scale them"
         )
-    return _picture_shape(Picture(values, False, 1), name, where, chosen)
+    return picture_shape(Picture(values, False, 1), name, where, chosen)
 
 
 def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
@@ -124,7 +124,13 @@ def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParame
     return outline_shape(array, name, where, parameters, parameters.vertex_tolerance, y_down=False)
 
 
-def _picture_shape(picture: Picture, name: str, where: str, parameters: ShapeParameters) -> Shape:
+def picture_shape(picture: Picture, name: str, where: str, parameters: ShapeParameters) -> Shape:
+    """Make a shape of the object in a decoded picture, which errors call ``where``; errors as `read_image`.
+
+    >>> disc = np.where(np.hypot(*np.mgrid[-20:21, -20:21]) < 15, 255.0, 0.0)
+    >>> picture_shape(Picture(disc, False, 1), "disc", "the picture", ShapeParameters()).name
+    'disc'
+    """
     field, component = find_object(picture, where, parameters)
     contour = trace_contour(field, component, parameters.smoothing, where)
     # A value stands at the centre of its factor × factor pixels.
