@@ -24,7 +24,7 @@ setup: $(READY)
 $(MINING): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("RIOT needs Python 3.11 or newer; set PYTHON=…") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(PIP) --editable .
+	$(PIP) --editable '.[mine]'
 	touch $@
 
 $(READY): $(MINING)

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+DISTRIBUTION = "riot-shapes"
+"""What pip installs."""
+
 
 class RiotError(Exception):
     """Root of every error that this project raises on purpose."""
@@ -68,6 +74,39 @@ class FabricationError(RiotError, ValueError):
 
     def __reduce__(self) -> tuple[type[FabricationError], tuple[str, str, str, float]]:
         return type(self), (self.reason, str(self), self.parameter, self.value)
+
+
+class MissingExtraError(RiotError, ModuleNotFoundError):
+    """A package that is not installed, and that an extra of this project brings: ``extra`` is the name of the extra."""
+
+    def __init__(self, package: str, extra: str) -> None:
+        super().__init__(
+            f"this needs the package {package}, which is not installed: pip install '{DISTRIBUTION}[{extra}]'",
+            name=package,
+        )
+        self.package = package
+        self.extra = extra
+
+    def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str]]:
+        return type(self), (self.package, self.extra)
+
+
+@contextmanager
+def needs_extra(name: str) -> Iterator[None]:
+    """Say which extra to install if an import inside fails: raises `MissingExtraError`.
+
+    >>> with needs_extra("film"):
+    ...     import no_such_package
+    Traceback (most recent call last):
+    riot.errors.MissingExtraError: this needs the package no_such_package, which is not installed: \
+pip install 'riot-shapes[film]'
+    """
+    try:
+        yield
+    except MissingExtraError:
+        raise
+    except ModuleNotFoundError as error:
+        raise MissingExtraError((error.name or "").partition(".")[0], name) from error
 
 
 class ModelError(RiotError, ValueError):

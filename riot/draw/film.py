@@ -35,16 +35,12 @@ from riot.draw.tuning import (
     SWEPT_MARGIN,
     WAY_FRAMES,
 )
-from riot.errors import RiotError
+from riot.errors import needs_extra
 from riot.motion.planner import motion_of
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
 MODULE = "imageio_ffmpeg"
-
-
-class FilmError(RiotError, ModuleNotFoundError):
-    """An MP4 was asked for where imageio-ffmpeg is not installed."""
 
 
 def write_film(
@@ -53,8 +49,8 @@ def write_film(
     """Write the motion from P to Q and back, a loop with pauses; the suffix (gif, mp4) chooses the format.
 
     ``width`` is in pixels; with ``images`` the pieces show their front. Raises `riot.draw.files.PictureFormatError` (a
-    ValueError) for another suffix, `FilmError` if an MP4 cannot be written here, and OSError if the file cannot be
-    written. Ours.
+    ValueError) for another suffix, `riot.errors.MissingExtraError` if an MP4 cannot be written here, and OSError if
+    the file cannot be written. Ours.
 
     Examples
     --------
@@ -77,14 +73,9 @@ def write_film(
 
 
 def film_writer() -> Any:
-    """The module that writes MP4; raises `FilmError` if it is not installed."""
-    try:
+    """The module that writes MP4; raises `riot.errors.MissingExtraError` if it is not installed."""
+    with needs_extra("film"):
         return importlib.import_module(MODULE)
-    except ModuleNotFoundError:
-        raise FilmError(
-            "an MP4 needs the package imageio-ffmpeg, which is not installed: "
-            "install it with pip install 'riot-shapes[film]', or ask for a GIF"
-        ) from None
 
 
 def _gif(camera: _Camera) -> bytes:

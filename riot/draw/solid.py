@@ -11,14 +11,17 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-import manifold3d
 import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageColor
 
 from riot.draw.depth_buffer import nearest_triangles
 from riot.draw.tuning import CREASE_COSINE, DARKEST_FACE, EDGE_SHADE, LIGHT_DIRECTION, SUPERSAMPLING
+from riot.errors import needs_extra
 from riot.types import BoolArray, FloatArray, IntArray
+
+with needs_extra("print"):
+    import manifold3d
 
 ByteArray = npt.NDArray[np.uint8]
 

@@ -9,9 +9,9 @@ import math
 from dataclasses import dataclass, field
 from itertools import combinations
 
-import manifold3d
 import shapely
 
+from riot.errors import needs_extra
 from riot.fabricate.model import Design, HingeEnd, PieceDesign, Slab
 from riot.fabricate.outlines import disc
 from riot.fabricate.solid import Part, common_volume
@@ -26,6 +26,9 @@ from riot.fabricate.tuning import (
     PULL_SHARES,
     STOP_SLACK_MM,
 )
+
+with needs_extra("print"):
+    import manifold3d
 
 
 @dataclass(frozen=True)

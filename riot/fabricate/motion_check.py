@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise
 
-import manifold3d
 import numpy as np
 import shapely
 
+from riot.errors import needs_extra
 from riot.fabricate.clearance import Proof, least_gaps, make_regions, proven, proven_at_hinge
 from riot.fabricate.model import Design, Slab
 from riot.fabricate.solid import Part, common_volume
@@ -22,6 +22,9 @@ from riot.fabricate.tuning import (
 )
 from riot.transform.motion import LIFT
 from riot.types import FloatArray
+
+with needs_extra("print"):
+    import manifold3d
 
 
 @dataclass(frozen=True)

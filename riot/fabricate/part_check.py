@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-import manifold3d
-
+from riot.errors import needs_extra
 from riot.fabricate.model import PieceDesign
 from riot.fabricate.outlines import narrowest, widening_parameter
 from riot.fabricate.solid import Part, genus
@@ -14,6 +13,9 @@ from riot.fabricate.tuning import (
     LEAST_WALL_MM,
     VOLUME_TOLERANCE,
 )
+
+with needs_extra("print"):
+    import manifold3d
 
 
 @dataclass(frozen=True)

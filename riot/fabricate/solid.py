@@ -6,15 +6,18 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-import manifold3d
 import numpy as np
 import shapely
 
+from riot.errors import needs_extra
 from riot.fabricate.layers import rings_slabs
 from riot.fabricate.model import Design, Slab, polygons
 from riot.fabricate.outlines import disc
 from riot.fabricate.tuning import SLIVER_MM2
 from riot.types import FloatArray, IntArray
+
+with needs_extra("print"):
+    import manifold3d
 
 
 @dataclass(frozen=True, eq=False)

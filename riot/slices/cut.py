@@ -11,17 +11,19 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-import manifold3d
 import numpy as np
 import shapely
 
-from riot.errors import ModelError
+from riot.errors import ModelError, needs_extra
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import polygon_shape
 from riot.parameters import ShapeParameters
 from riot.slices.model import Model
 from riot.slices.tuning import BETTER_IOU, GREATEST_COUNT, SECTIONS_PER_SLICE
 from riot.types import FloatArray
+
+with needs_extra("print"):
+    import manifold3d
 
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("z", "x", "y")

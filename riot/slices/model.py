@@ -9,12 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import manifold3d
 import numpy as np
 
 from riot.errors import ModelError as ModelError
+from riot.errors import needs_extra
 from riot.slices.tuning import GREATEST_BYTES, GREATEST_COORDINATE_MM, GREATEST_TRIANGLES
 from riot.types import FloatArray, IntArray
+
+with needs_extra("print"):
+    import manifold3d
 
 SUFFIXES = (".stl", ".3mf", ".obj")
 
@@ -49,8 +52,9 @@ def read_model(path: str | os.PathLike[str]) -> Model:
     Raises
     ------
     ModelError
-        ``unsupported`` (another suffix, or trimesh is not installed), ``too-large``, ``unreadable``, ``empty``,
-        ``open`` (not watertight).
+        ``unsupported`` (another suffix), ``too-large``, ``unreadable``, ``empty``, ``open`` (not watertight).
+    riot.errors.MissingExtraError
+        trimesh is not installed.
     OSError
         The file cannot be opened.
     """
@@ -136,9 +140,5 @@ def _open_edges(triangles: IntArray) -> int:
 
 
 def _library() -> Any:
-    try:
+    with needs_extra("print"):
         return importlib.import_module("trimesh")
-    except ModuleNotFoundError as error:
-        raise ModelError(
-            "unsupported", "solids are read with trimesh, which is not installed: install riot-shapes[print]"
-        ) from error

@@ -14,9 +14,10 @@ import shapely
 from svgelements import SVG
 from svgelements import Path as SvgPath
 
+from riot.errors import MissingExtraError
 from riot.fabricate import Design, FabricationError, FabricationParameters, design
 from riot.fabricate.export import flat as flat_module
-from riot.fabricate.export.flat import KINDS, DxfError, FlatFormatError, Kind, parts_of, write_flat, write_flat_files
+from riot.fabricate.export.flat import KINDS, FlatFormatError, Kind, parts_of, write_flat, write_flat_files
 from riot.fabricate.shelves import shelves
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.types import FloatArray
@@ -181,10 +182,10 @@ def test_other_formats_are_refused(puzzle_design: Design, tmp_path: Path) -> Non
 
 def test_dxf_without_its_package(puzzle_design: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(name: str) -> None:
-        raise ModuleNotFoundError(name)
+        raise ModuleNotFoundError(name=name)
 
     monkeypatch.setattr(flat_module.importlib, "import_module", missing)
-    with pytest.raises(DxfError, match=r"riot-shapes\[print\]"):
+    with pytest.raises(MissingExtraError, match=r"riot-shapes\[print\]"):
         write_flat(puzzle_design, tmp_path / "cut.dxf")
     write_flat(puzzle_design, tmp_path / "cut.svg")
 

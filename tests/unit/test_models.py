@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from riot.errors import MissingExtraError
 from riot.slices import ModelError, model, read_model
 
 Mesh = tuple[np.ndarray, np.ndarray]
@@ -143,8 +144,8 @@ def test_without_trimesh_the_extra_is_named(cup: Mesh, tmp_path: Path, monkeypat
     path = saved(cup, tmp_path / "cup.stl")
 
     def absent(name: str) -> object:
-        raise ModuleNotFoundError(name)
+        raise ModuleNotFoundError(name=name)
 
     monkeypatch.setattr(importlib, "import_module", absent)
-    with pytest.raises(ModelError, match=r"install riot-shapes\[print\]"):
+    with pytest.raises(MissingExtraError, match=r"riot-shapes\[print\]"):
         read_model(path)

@@ -16,12 +16,13 @@ from PIL import Image
 from riot import RiotError, Transform
 from riot.cli.main import main
 from riot.draw import animate_svg, draw_strip, write_film
-from riot.draw.film import MODULE, FilmError
+from riot.draw.film import MODULE
 from riot.draw.keyframes import eased, frame_count, loop_seconds, motion_marks, painting_order
 from riot.draw.panels import sketch
 from riot.draw.scene import Dot, PlacedPiece, extent
 from riot.draw.strip import strip_scene
 from riot.draw.tuning import LOOP_SECONDS, MAX_TURN, STRIP_POSES
+from riot.errors import MissingExtraError
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion import Motion, plan_motion
 from riot.transform.motion import LIFT
@@ -127,10 +128,10 @@ def test_a_gif_goes_there_and_back(transform: Transform, tmp_path: Path) -> None
 
 def test_an_mp4_needs_its_writer(transform: Transform, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(name: str) -> None:
-        raise ModuleNotFoundError(name)
+        raise ModuleNotFoundError(name=name)
 
     monkeypatch.setattr(importlib, "import_module", missing)
-    with pytest.raises(FilmError, match=re.escape("riot-shapes[film]")) as caught:
+    with pytest.raises(MissingExtraError, match=re.escape("riot-shapes[film]")) as caught:
         write_film(transform, tmp_path / "a.mp4")
     assert isinstance(caught.value, RiotError)
     # The command says so before it starts on the long work: it has not even looked for the pictures.

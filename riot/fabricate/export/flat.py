@@ -18,7 +18,7 @@ import numpy as np
 import shapely
 
 from riot.draw.svg import escape
-from riot.errors import FabricationError, RiotError
+from riot.errors import FabricationError, RiotError, needs_extra
 from riot.fabricate.model import Design, polygons
 from riot.fabricate.shelves import shelves
 from riot.types import FloatArray
@@ -49,10 +49,6 @@ class FlatFormatError(RiotError, ValueError):
     """A file name whose suffix is no format for lasers."""
 
 
-class DxfError(RiotError, ModuleNotFoundError):
-    """A DXF file was asked for where ezdxf is not installed."""
-
-
 @dataclass(frozen=True, eq=False)
 class FlatPart:
     """One part to be cut out: ``region`` in mm, on the sheet; ``name`` as in ``piece-1`` or ``piece-1-top``."""
@@ -72,7 +68,7 @@ def write_flat(design: Design, path: str | os.PathLike[str], kind: Kind = "outli
     ------
     FlatFormatError
         For another suffix.
-    DxfError
+    riot.errors.MissingExtraError
         If a DXF file is asked for and ezdxf is not installed.
     riot.errors.FabricationError
         ``telescopic``: layers of a design with telescopic hinges, which cannot be stacked from sheets.
@@ -198,18 +194,13 @@ def _number(value: float) -> str:
 
 
 def dxf_module() -> Any:
-    """The module that writes DXF; raises `DxfError` if it is not installed."""
-    try:
+    """The module that writes DXF; raises `riot.errors.MissingExtraError` if it is not installed."""
+    with needs_extra("print"):
         return importlib.import_module("ezdxf")
-    except ModuleNotFoundError:
-        raise DxfError(
-            "a DXF file needs the package ezdxf, which is not installed: "
-            "install it with pip install 'riot-shapes[print]', or ask for SVG"
-        ) from None
 
 
 def dxf_bytes(parts: Sequence[FlatPart]) -> bytes:
-    """The parts as a DXF file in millimetres, holes and outlines on a layer each; raises `DxfError`."""
+    """The parts as a DXF file in millimetres, holes and outlines on a layer each; raises as `dxf_module`."""
     ezdxf = dxf_module()
     fixed = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True  # no dates: the same parts give the same bytes

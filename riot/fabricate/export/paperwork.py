@@ -33,7 +33,7 @@ def write_paperwork(
     ``laser-*.svg`` and, with ``dxf``, ``laser-*.dxf``; ``texture-front.pdf`` and ``texture-back.pdf`` for sides that
     have a texture, their pictures with so many ``dots_per_inch``; ``assembly.pdf``; ``puzzle-p.png``, ``puzzle-q.png``,
     and ``apart-p.png``, ``apart-q.png``. The same input gives the same bytes. Raises
-    `riot.fabricate.export.flat.DxfError` if a DXF file is asked for and ezdxf is not installed.
+    `riot.errors.MissingExtraError` if a DXF file is asked for and ezdxf is not installed.
     """
     textures = textures or {}
     written = write_flat_files(design, folder, dxf=dxf)
