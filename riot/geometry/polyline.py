@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from riot.kernels.simplify import douglas_peucker, farthest_vertex, halved, simplified
+from riot import kernels  # lazy: a polygon that nothing simplifies does not wait for Numba
 from riot.types import BoolArray, FloatArray, IntArray
 
 TOUCH = 1e-9
@@ -153,7 +153,7 @@ def simplify_open(points: FloatArray, tolerance: float) -> IntArray:
     """
     if len(points) < 3:
         return np.arange(len(points), dtype=np.int64)
-    keep = douglas_peucker(np.ascontiguousarray(points, dtype=np.float64), float(tolerance))
+    keep = kernels.simplify.douglas_peucker(np.ascontiguousarray(points, dtype=np.float64), float(tolerance))
     return np.flatnonzero(keep).astype(np.int64)
 
 
@@ -175,7 +175,9 @@ def simplify(points: FloatArray, tolerance: float) -> IntArray:
         return np.arange(m, dtype=np.int64)
     x, y = centroid(points)
     # A copy: a read-only array would be compiled for anew.
-    return simplified(np.array(points, dtype=np.float64, order="C"), float(x), float(y), float(tolerance))
+    return kernels.simplify.simplified(
+        np.array(points, dtype=np.float64, order="C"), float(x), float(y), float(tolerance)
+    )
 
 
 def at_length(points: FloatArray, positions: FloatArray) -> FloatArray:
@@ -209,7 +211,7 @@ def insert_midpoints(points: FloatArray, kept: IntArray, spacing: float) -> tupl
     (6, 3)
     """
     lengths = arc_length(points)
-    positions, is_kept = halved(lengths[kept], float(lengths[-1]), float(spacing))
+    positions, is_kept = kernels.simplify.halved(lengths[kept], float(lengths[-1]), float(spacing))
     samples = at_length(points, positions)
     samples[is_kept] = points[kept]  # exactly, without the rounding of the interpolation
     return samples, is_kept
@@ -226,7 +228,7 @@ def spread(points: FloatArray, kept: IntArray, spacing: float) -> IntArray:
     [0, 2, 3, 4]
     """
     lengths = arc_length(points)
-    positions, is_kept = halved(lengths[kept], float(lengths[-1]), float(spacing))
+    positions, is_kept = kernels.simplify.halved(lengths[kept], float(lengths[-1]), float(spacing))
     wanted = np.mod(positions[~is_kept], lengths[-1])
     after = np.searchsorted(lengths, wanted).clip(1, len(points))
     nearer = np.where(wanted - lengths[after - 1] <= lengths[after] - wanted, after - 1, after)
@@ -243,4 +245,8 @@ def farthest(points: FloatArray, origin: FloatArray) -> int:
     >>> farthest(np.array([[0.0, 0.0], [3.0, 4.0], [1.0, 1.0]]), np.zeros(2))
     1
     """
-    return int(farthest_vertex(np.array(points, dtype=np.float64, order="C"), float(origin[0]), float(origin[1])))
+    return int(
+        kernels.simplify.farthest_vertex(
+            np.array(points, dtype=np.float64, order="C"), float(origin[0]), float(origin[1])
+        )
+    )

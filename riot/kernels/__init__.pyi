@@ -1,1 +1,2 @@
+from . import simplify as simplify
 from . import warm as warm

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from riot.motion.bodies import Bodies, make_bodies
-from riot.motion.search import Subchain, find_path
+from riot import motion  # lazy: a motion that a transform carries is not searched
 from riot.parameters import MotionParameters as MotionParameters
 from riot.transform.motion import LIFT, SEARCHES
 from riot.transform.motion import Attempt as Attempt
@@ -22,6 +22,9 @@ from riot.transform.pose import Chain
 from riot.transform.transform import Transform
 from riot.transform.transform_cache import once_per_transform
 from riot.types import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from riot.motion.bodies import Bodies
 
 
 def plan_motion(transform: Transform, parameters: MotionParameters | None = None) -> Motion:
@@ -37,7 +40,7 @@ def plan_motion(transform: Transform, parameters: MotionParameters | None = None
     ('swings flat', 'together')
     """
     parameters = parameters or MotionParameters()
-    bodies = make_bodies(transform, parameters)
+    bodies = motion.bodies.make_bodies(transform, parameters)
     planner = _Planner(transform.chain, bodies, parameters)
     cuts, ways = planner.flat() or planner.lifting()
     return _motion(transform, bodies, cuts, ways, tuple(planner.tried))
@@ -128,8 +131,8 @@ class _Planner:
     def _try(self, first: int, size: int, search: int) -> Way | None:
         pieces = (first + np.arange(size)) % self._n
         start, goal = (turns[pieces[1:]] for turns in self._turns)
-        subchain = Subchain(self._bodies, pieces, start, goal)
-        path = find_path(subchain, SEARCHES[search], self._parameters.samples, self._parameters.seed)
+        subchain = motion.search.Subchain(self._bodies, pieces, start, goal)
+        path = motion.search.find_path(subchain, SEARCHES[search], self._parameters.samples, self._parameters.seed)
         self.tried.append(Attempt(first, size, SEARCHES[search], path is not None, subchain.checks))
         self._begun[first, size] = search + 1
         if path is None:

@@ -17,11 +17,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
-from scipy.spatial import cKDTree
 
 from riot.geometry.polyline import arc_length, at_length
-from riot.kernels.fidelity import warped_difference
 from riot.transform.tuning import (
     DISPLACEMENT_WINDOW,
     LEAST_SMOOTHED_SAMPLES,
@@ -70,11 +67,12 @@ def direction_error(outline: FloatArray, reference: FloatArray) -> float:
     True
     """
     (a, _), (b, _) = _smoothed(outline), _smoothed(reference)
-    far, near = (np.asarray(values) for values in cKDTree(b).query(a))
-    start = int(np.argmin(far))
-    along_a, along_b = np.roll(_directions(a), -start), np.roll(_directions(b), -int(near[start]))
+    # Without a tree, which is in scipy: to load that takes longer than to measure all distances.
+    squared = (a[:, None, 0] - b[:, 0]) ** 2 + (a[:, None, 1] - b[:, 1]) ** 2
+    start = int(np.argmin(np.sqrt(squared.min(axis=1))))
+    along_a, along_b = np.roll(_directions(a), -start), np.roll(_directions(b), -int(np.argmin(squared[start])))
     window = math.ceil(SAMPLES_PER_SCALE * DISPLACEMENT_WINDOW / SMOOTHING_SCALE)
-    return warped_difference(along_a, along_b, window, LONE_STEP_COST)
+    return _warped_difference(along_a, along_b, window, LONE_STEP_COST)
 
 
 def _smoothed(outline: FloatArray) -> tuple[FloatArray, float]:
@@ -83,8 +81,54 @@ def _smoothed(outline: FloatArray) -> tuple[FloatArray, float]:
     count = max(LEAST_SMOOTHED_SAMPLES, math.ceil(SAMPLES_PER_SCALE * length / SMOOTHING_SCALE))
     step = length / count
     samples = at_length(outline, np.arange(count, dtype=np.float64) * step)
-    smooth: FloatArray = gaussian_filter1d(samples, SMOOTHING_SCALE / step, axis=0, mode="wrap")
-    return smooth, step
+    return _gaussian(samples, SMOOTHING_SCALE / step), step
+
+
+def _gaussian(samples: FloatArray, sigma: float) -> FloatArray:
+    """Samples (m, 2) of a closed curve, smoothed along it by a Gaussian of ``sigma`` samples, cut off at four."""
+    reach = int(4.0 * sigma + 0.5)
+    weights = np.exp(-0.5 / (sigma * sigma) * np.arange(-reach, reach + 1) ** 2)
+    weights /= weights.sum()
+    smooth: FloatArray = samples * weights[reach]
+    for distance in range(reach, 0, -1):
+        both = np.roll(samples, distance, axis=0) + np.roll(samples, -distance, axis=0)
+        smooth += both * weights[reach - distance]
+    return smooth
+
+
+def _warped_difference(a: FloatArray, b: FloatArray, window: int, skew: float) -> float:
+    """Mean angle, radians, between directions ``a`` (m,) and ``b`` (k,) of even samples of two outlines.
+
+    Of all monotone correspondences from start to start and end to end that stay within ``window`` samples of the even
+    one, that of least sum, where a step on one outline only costs ``skew`` more. Sample i of the first can correspond
+    to sample j of the second; the pairs of equal i + j are one diagonal, whose sums depend on the two diagonals before.
+    """
+    m, k = len(a), len(b)
+    rows = np.arange(m)
+    middle = rows * (k - 1) // max(m - 1, 1)
+    low, high = np.maximum(middle - window, 0), np.minimum(middle + window + 1, k)
+    diagonals = np.arange(m + k - 1)
+    firsts = np.searchsorted(rows + high, diagonals, side="right")
+    lasts = np.searchsorted(rows + low, diagonals, side="right")
+    # Of the last three diagonals: the least sums and their numbers of steps by row, after a row before the first.
+    sums, steps = np.full((3, m + 1), np.inf), np.zeros((3, m + 1))
+    for diagonal, first, last in zip(diagonals.tolist(), firsts.tolist(), lasts.tolist(), strict=True):
+        now, before, earlier = diagonal % 3, (diagonal - 1) % 3, (diagonal - 2) % 3
+        here, above = slice(first + 1, last + 1), slice(first, last)
+        angle = np.abs((a[above] - b[diagonal - rows[above]] + np.pi) % (2.0 * np.pi) - np.pi)
+        sums[now] = np.inf
+        if diagonal == 0:
+            sums[now, here], steps[now, here] = angle, 1.0
+            continue
+        best, count = sums[earlier, above] + 2.0 * angle, steps[earlier, above] + 2.0
+        for predecessor in (above, here):  # a step on the first outline only, or on the second
+            alone = sums[before, predecessor] + angle + skew
+            shorter = alone < best
+            best = np.where(shorter, alone, best)
+            count = np.where(shorter, steps[before, predecessor] + 1.0, count)
+        sums[now, here], steps[now, here] = best, count
+    end = (m + k - 2) % 3
+    return float(sums[end, m] / steps[end, m])
 
 
 def _directions(points: FloatArray) -> FloatArray:
