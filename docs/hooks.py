@@ -10,36 +10,27 @@ import os
 import re
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
-import pipeline.cli.cache
-import pipeline.cli.main
-import pipeline.datasets.fetch
 import pipeline.tables.measures
 from pipeline import study
-from pipeline.config.help import usage_text
+from pipeline.cli.main import RIOT
 from pipeline.config.parameter_table import markdown_cell, parameter_table
 from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS, SWEEP
 from riot import Shape, construct
+from riot.cli.command import Command, Group
+from riot.cli.parser import listing
+from riot.cli.program import group_help
 from riot.draw import animate_svg, draw_strip
 
 ROOT = Path(__file__).resolve().parents[1]
 HELP_WIDTH = 80
-
-Main = Callable[[Sequence[str]], int]
-COMMANDS: dict[str, Main] = {
-    "riot": pipeline.cli.main.main,
-    "python -m pipeline.cache": pipeline.cli.cache.main,
-    "python -m pipeline.fetch": pipeline.datasets.fetch.main,
-    "python -m pipeline.tables.measures": pipeline.tables.measures.main,
-}
-"""Commands that print their options for ``--help``, and the function that runs each."""
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -73,43 +64,33 @@ def _pictures() -> Iterator[tuple[str, str]]:
 
 
 def _commands() -> Iterator[str]:
-    for command, main in COMMANDS.items():
-        text = _help(main)
-        yield from (f"## {command}", "")
-        names = re.findall(r"^    (\w+) ", text, flags=re.MULTILINE)
-        if not names:
-            yield from _listing(text, command)
-        for name in names:
-            yield from (f"### {command.rpartition(' ')[2]} {name}", "")
-            yield from _listing(_help(main, name), command)
-    yield from ("## python -m pipeline.run", "", *_listing(usage_text(), "python -m pipeline.run"))
-    yield from ("## python -m pipeline.study", "", *_docstring("pipeline/study/__main__.py"))
-
-
-def _help(main: Main, *arguments: str) -> str:
-    """What a command prints for ``--help``, at one width on every machine."""
-    text = io.StringIO()
+    """What each command prints for ``--help``; parameters of a run and of studies have pages of their own."""
     columns = os.environ.get("COLUMNS")
     os.environ["COLUMNS"] = str(HELP_WIDTH)
     try:
-        with contextlib.redirect_stdout(text), contextlib.suppress(SystemExit):
-            main([*arguments, "--help"])
+        yield from _listed("riot", RIOT)
+        yield from ("## python -m pipeline.tables.measures", "", "```text", _measures_help().rstrip(), "```", "")
     finally:
-        if columns is None:
-            del os.environ["COLUMNS"]
-        else:
-            os.environ["COLUMNS"] = columns
+        os.environ.pop("COLUMNS") if columns is None else os.environ.update(COLUMNS=columns)
+
+
+def _measures_help() -> str:
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text), contextlib.suppress(SystemExit):
+        pipeline.tables.measures.main(["--help"])
     return text.getvalue()
 
 
-def _listing(text: str, command: str) -> Iterator[str]:
-    # argparse may name the program by the process that runs, here mkdocs.
-    yield from ("```text", re.sub(r"^usage: .*?(?=riot|python -m|\[|-)", "usage: ", text.strip(), count=1), "```", "")
-
-
-def _docstring(module: str) -> Iterator[str]:
-    text = ast.get_docstring(ast.parse((ROOT / module).read_text(encoding="utf-8"))) or ""
-    yield from (text.replace("``", "`").removeprefix("Entry point: "), "")
+def _listed(program: str, entry: Group | Command) -> Iterator[str]:
+    if isinstance(entry, Group):
+        yield from (f"## {program}", "", "```text", group_help(program, entry), "```", "")
+        if program != "riot study":
+            for name, below in entry.commands.items():
+                yield from _listed(f"{program} {name}", below)
+    else:
+        parser = entry.parser(program)
+        text = "\n".join([parser.options_help(), listing("exit codes", parser.exit_codes)])
+        yield from (f"## {program}", "", "```text", text.rstrip(), "```", "")
 
 
 def _parameters() -> Iterator[str]:

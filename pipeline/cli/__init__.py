@@ -1,7 +1,8 @@
-"""The command line: ``riot`` over a mined collection, ``pipeline.cache``, and what a run prints on the terminal.
+"""The command line: the program ``riot`` with all its commands, and what a run prints on the terminal.
 
-Commands parse arguments, call the packages below, and print; no result depends on them. Exit codes and messages must
-say what to do next (tests/integration/test_match.py, tests/unit/test_cache_command.py, test_cache_under_edits.py).
+Commands parse arguments, call the packages below, and print; no result depends on them. Each is loaded when it is
+called. Exit codes and messages must say what to do next (tests/unit/test_front_door.py, test_cache_command.py,
+tests/integration/test_match.py).
 """
 
 import lazy_loader

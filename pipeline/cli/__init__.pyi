@@ -1,2 +1,10 @@
+from . import cache as cache
+from . import facts as facts
+from . import fetch as fetch
+from . import match as match
+from . import mine as mine
+from . import mined_shapes as mined_shapes
 from . import progress as progress
+from . import slices as slices
+from . import study as study
 from . import summary as summary

@@ -1,4 +1,4 @@
-"""``python -m pipeline.cache du|verify|gc|accept``: measure, check and tidy the store.
+"""The commands `riot cache du|verify|gc|accept`: measure, check and tidy the store.
 
 ``accept`` keeps a run's artifacts after an edit of the code that changes no result.
 """
@@ -7,17 +7,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 
 from pipeline.cli.accept import accept, parts_of
 from pipeline.errors import PayloadError, StartError
-from pipeline.exit_codes import BAD_START, CLEAN
+from pipeline.exit_codes import CLEAN
 from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.stages.all import STAGES
 from pipeline.store.keys import SCHEMA, KeyParts
@@ -25,6 +23,8 @@ from pipeline.store.location import parse_location
 from pipeline.store.store import State, Store, folder_name
 from pipeline.tables.messages import several
 from pipeline.tables.record import ARTIFACTS
+from riot.cli.output import Output
+from riot.cli.parser import EXIT_CODES, Parser
 
 DAMAGED = 3
 """Exit code of ``verify`` when it finds damage."""
@@ -117,57 +117,71 @@ def garbage(store: Store, keep: set[tuple[str, str]]) -> Iterator[str]:
             yield from (f"{folder}/{name}" for name in store.files.abandoned(folder))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns 0, 3 when ``verify`` finds damage, 2 when there is nothing to work on."""
-    options = _parser().parse_args(arguments)
-    console = Console(highlight=False, soft_wrap=True)
-    store = Store(options.store)
-    try:
+@dataclass(frozen=True)
+class CacheCommand:
+    """A command on a store: further options, what it does, and exit codes of its own."""
+
+    work: Callable[[Store, argparse.Namespace, Output], int]
+    more: Callable[[Parser], None] = lambda parser: None
+    exit_codes: Mapping[int, str] = field(default_factory=dict)
+
+    def add_options(self, parser: Parser) -> None:
+        """See `riot.cli.command.CommandModule`."""
+        parser.add_argument(
+            "--store",
+            type=parse_location,
+            default=Path("store"),
+            metavar="LOCATION",
+            help="folder or URL (default: store)",
+        )
+        self.more(parser)
+        parser.exit_codes = {**EXIT_CODES, **self.exit_codes}
+
+    def run(self, chosen: argparse.Namespace, output: Output) -> int:
+        """See `riot.cli.command.CommandModule`; raises `StartError` if there is no store."""
+        store = Store(chosen.store)
         if not store.files.exists():
             raise StartError(f"{store.root}: there is no store here; give --store LOCATION")
-        if options.command == "du":
-            _show_usage(usage(store), console)
-            return CLEAN
-        if options.command == "verify":
-            return _verify(store, console)
-        if options.command == "accept":
-            return _accept(store, options.run, options.dry_run, console)
-        with store.files.alone() as alone:
-            return _collect_garbage(store, options, alone, console)
-    except (StartError, OSError) as error:
-        console.print(str(error), markup=False)
-        return BAD_START
+        return self.work(store, chosen, output)
 
 
-def _show_usage(usages: Sequence[Usage], console: Console) -> None:
+def _du(store: Store, chosen: argparse.Namespace, output: Output) -> int:
+    usages = usage(store)
+    sums = (sum(getattr(row, name) for row in usages) for name in ("artifacts", "size", "stale", "stale_size"))
     table = Table()
     table.add_column("stage")
     table.add_column("artifacts", justify="right")
     for title in ("MB", "stale", "stale MB"):
         table.add_column(title, justify="right")
-    sums = (sum(getattr(row, name) for row in usages) for name in ("artifacts", "size", "stale", "stale_size"))
     for row in (*usages, Usage("all", *sums)):
         if row.stage == "all":
             table.add_section()
         megabytes = [f"{size / 1e6:,.1f}" for size in (row.size, row.stale_size)]
         table.add_row(row.stage, f"{row.artifacts:,}", megabytes[0], f"{row.stale:,}", megabytes[1])
-    console.print(table)
-    console.print("Stale: made by other code or libraries than are here, or from what was.")
+    facts = {"store": str(store.root), "stages": [asdict(row) for row in usages]}
+    output.facts(facts, table, "Stale: made by other code or libraries than are here, or from what was.")
+    return CLEAN
 
 
-def _verify(store: Store, console: Console) -> int:
-    references = damaged(store)
-    for stage, key in references:
-        console.print(f"corrupt or not committed: {stage}/{key}")
+def _verify(store: Store, chosen: argparse.Namespace, output: Output) -> int:
+    references = [f"{stage}/{key}" for stage, key in damaged(store)]
     total = sum(1 for _ in store.folders())
-    console.print(
-        f"{several(total, 'artifact')}, {len(references)} damaged"
-        + ("; the next run makes them again" if references else "")
+    counted = f"{several(total, 'artifact')}, {len(references)} damaged"
+    facts = {"store": str(store.root), "artifacts": total, "damaged": references}
+    output.facts(
+        facts,
+        *(f"corrupt or not committed: {reference}" for reference in references),
+        f"{counted}; the next run makes them again" if references else counted,
     )
     return DAMAGED if references else CLEAN
 
 
-def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, console: Console) -> int:
+def _gc(store: Store, chosen: argparse.Namespace, output: Output) -> int:
+    with store.files.alone() as alone:
+        return _collect_garbage(store, chosen, alone, output)
+
+
+def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, output: Output) -> int:
     keep, runs = needed(options.outputs)
     if options.stale:
         keep -= stale(store)
@@ -191,23 +205,31 @@ def _collect_garbage(store: Store, options: argparse.Namespace, alone: bool, con
     verb = "would be deleted" if options.dry_run else "deleted"
     what = several(count, "artifact or left-over file", "artifacts or left-over files")
     keeping = several(runs, "run keeps", "runs keep")
-    console.print(f"{what}, {size / 1e6:,.1f} MB, {verb}; {keeping} {several(len(keep), 'artifact')}")
+    facts = {"store": str(store.root), "removed": count, "bytes": size, "runs": runs, "kept": len(keep)}
+    output.facts(
+        {**facts, "dry_run": options.dry_run},
+        f"{what}, {size / 1e6:,.1f} MB, {verb}; {keeping} {several(len(keep), 'artifact')}",
+    )
     return CLEAN
 
 
-def _accept(store: Store, run: Path, dry_run: bool, console: Console) -> int:
+def _accept(store: Store, chosen: argparse.Namespace, output: Output) -> int:
+    run = chosen.run_folder
     try:
-        acceptance = accept(store, _keys_of_run(run / ARTIFACTS), dry_run=dry_run)
+        acceptance = accept(store, _keys_of_run(run / ARTIFACTS), dry_run=chosen.dry_run)
     except (KeyError, PayloadError) as error:
         reason = error.args[0] if isinstance(error, KeyError) else error
         raise StartError(
             f"{store.root}: not all that {run} stands on is whole ({reason}); run it again instead"
         ) from error
-    for text, count in sorted(acceptance.changes.items()):
-        console.print(f"  {count} × {text}", markup=False)
-    verb = "would be accepted" if dry_run else "accepted"
+    verb = "would be accepted" if chosen.dry_run else "accepted"
     total = sum(acceptance.accepted.values())
-    console.print(f"{several(total, 'artifact')} {verb} as what the code and libraries here would compute")
+    facts = {"store": str(store.root), "accepted": dict(acceptance.accepted), "changes": dict(acceptance.changes)}
+    output.facts(
+        {**facts, "dry_run": chosen.dry_run},
+        *(f"  {count} × {text}" for text, count in sorted(acceptance.changes.items())),
+        f"{several(total, 'artifact')} {verb} as what the code and libraries here would compute",
+    )
     return CLEAN
 
 
@@ -221,33 +243,29 @@ def _keys_of_run(file: Path) -> dict[str, list[str]]:
         ) from error
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m pipeline.cache", description=__doc__)
-    commands = parser.add_subparsers(dest="command", required=True)
-    for name, text in (
-        ("du", "what each stage takes"),
-        ("verify", "check every artifact down to the last byte"),
-        ("gc", "delete what no finished run below --outputs needs, and what is damaged"),
-        ("accept", "after an edit that changes no result: keep a run's artifacts for the code that is here now"),
-    ):
-        command = commands.add_parser(name, help=text, description=text)
-        command.add_argument(
-            "--store", type=parse_location, default=Path("store"), help="folder or URL (default: store)"
-        )
-        if name == "gc":
-            command.add_argument("--outputs", type=Path, default=Path("outputs"), help="runs to keep for")
-            command.add_argument(
-                "--stale",
-                action="store_true",
-                help="also what finished runs need of other code or libraries than are here",
-            )
-            command.add_argument("--alone", action="store_true", help="no run is using the store: it cannot be known")
-        if name == "accept":
-            command.add_argument("--run", type=Path, required=True, help="folder of the run, as outputs/mpeg7")
-        if name in ("gc", "accept"):
-            command.add_argument("--dry-run", action="store_true", help="say what would be done, do nothing")
-    return parser
+def _gc_options(parser: Parser) -> None:
+    parser.add_argument(
+        "--outputs", type=Path, default=Path("outputs"), metavar="DIR", help="runs to keep for (default: outputs)"
+    )
+    parser.add_argument(
+        "--stale", action="store_true", help="also what finished runs need of other code or libraries than are here"
+    )
+    parser.add_argument("--alone", action="store_true", help="no run is using the store: it cannot be known")
+    _dry_run_option(parser)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def _accept_options(parser: Parser) -> None:
+    parser.add_argument(
+        "--run", dest="run_folder", type=Path, required=True, metavar="RUN", help="folder of the run, as outputs/mpeg7"
+    )
+    _dry_run_option(parser)
+
+
+def _dry_run_option(parser: Parser) -> None:
+    parser.add_argument("--dry-run", action="store_true", help="say what would be done, do nothing")
+
+
+DU = CacheCommand(_du)
+VERIFY = CacheCommand(_verify, exit_codes={DAMAGED: "Some artifacts are damaged."})
+GC = CacheCommand(_gc, _gc_options)
+ACCEPT = CacheCommand(_accept, _accept_options)

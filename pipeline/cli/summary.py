@@ -6,7 +6,6 @@ from collections import Counter
 
 import pyarrow.parquet as pq
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from pipeline.flow import RunOutcome
@@ -22,11 +21,11 @@ REASONS = 3
 """Kinds of errors in the summary; errors.parquet has the others (ours)."""
 
 
-def show_outcome(outcome: RunOutcome, console: Console) -> None:
-    """Print the summary of a finished run."""
-    console.print(_counts(outcome))
+def show_outcome(outcome: RunOutcome, console: Console, *, verbose: bool = False) -> None:
+    """Print the summary of a finished run; ``verbose`` lists all transforms and kinds of errors."""
+    console.print(_counts(outcome), markup=False)
     if outcome.results.pairs:
-        console.print(_best(outcome))
+        console.print(_best(outcome, None if verbose else BEST), markup=False)
     console.print(_times(outcome))
     for sentence in sentences(counts(outcome.results), outcome.results.config.select.policy):
         console.print(sentence, highlight=False, markup=False, soft_wrap=True)
@@ -36,7 +35,7 @@ def show_outcome(outcome: RunOutcome, console: Console) -> None:
     if outcome.results.search is not None:
         sentence = outcome.results.search.sentence(_kept(outcome))
         console.print(sentence, highlight=False, markup=False, soft_wrap=True)
-    _errors(outcome, console)
+    _errors(outcome, console, None if verbose else REASONS)
     if all(stage.computed + stage.failed == 0 for stage in outcome.results.stages):
         kept = "" if outcome.written else " and the tables are up to date"
         console.print(f"Everything cached: nothing was computed{kept} ({outcome.seconds:.1f} s).", highlight=False)
@@ -58,7 +57,7 @@ def _rows(outcome: RunOutcome, name: str) -> list[Row]:
 
 def _counts(outcome: RunOutcome) -> Table:
     run_counts = counts(outcome.results)
-    table = Table(title=f"Run of {escape(outcome.results.collection.name)}", title_justify="left")
+    table = Table(title=f"Run of {outcome.results.collection.name}", title_justify="left")
     names = ["shapes", "rejected_items", "pairs", "selected", "certified", "rejected", "errors"]
     if run_counts["approximate"]:
         names.insert(names.index("rejected"), "approximate")
@@ -68,19 +67,19 @@ def _counts(outcome: RunOutcome) -> Table:
     return table
 
 
-def _best(outcome: RunOutcome) -> Table:
+def _best(outcome: RunOutcome, most: int | None) -> Table:
     table = Table(title="Best transforms, least deformed first", title_justify="left")
     for title, justify in (("", "right"), ("P", "left"), ("Q", "left"), ("n", "right")):
         table.add_column(title, justify=justify, max_width=30)  # type: ignore[arg-type]
     for title in ("QCRS", "CRS", "IoU P ≤ bound", "IoU Q ≤ bound", "Hausdorff/L_c", "residual"):
         table.add_column(title, justify="right")
     rows = _rows(outcome, "transforms")
-    for row in [row for row in rows if row["status"] != "rejected"][:BEST]:
+    for row in [row for row in rows if row["status"] != "rejected"][:most]:
         residual = max(abs(row[name]) for name in ("overlap_p", "overlap_q", "gap_p", "gap_q"))
         table.add_row(
             str(row["rank"]),
-            escape(row["name_i"]),
-            escape(row["name_j"]),
+            row["name_i"],
+            row["name_j"],
             str(row["n"]),
             f"{row['qcrs']:.3f}",
             f"{row['crs']:.3f}",
@@ -92,7 +91,7 @@ def _best(outcome: RunOutcome) -> Table:
     rejected = Counter(row["reason"] for row in rows if row["status"] == "rejected")
     if rejected:
         reasons = ", ".join(f"{count} × {reason}" for reason, count in rejected.most_common())
-        table.caption = f"rejected: {escape(reasons)}"
+        table.caption = f"rejected: {reasons}"
     return table
 
 
@@ -118,15 +117,15 @@ def _times(outcome: RunOutcome) -> Table:
     return table
 
 
-def _errors(outcome: RunOutcome, console: Console) -> None:
+def _errors(outcome: RunOutcome, console: Console, most: int | None) -> None:
     errors = outcome.results.errors
     if not errors:
         return
     kinds = Counter((row["stage"], row["reason"] or row["type"]) for row in errors)
     console.print(f"Finished with {several(len(errors), 'error')} (errors.parquet has them all):", highlight=False)
-    for (stage, reason), count in kinds.most_common(REASONS):
+    for (stage, reason), count in kinds.most_common(most):
         first = next(row for row in errors if (row["stage"], row["reason"] or row["type"]) == (stage, reason))
         text = f"  {count} × {stage}/{reason}, such as {first['item']}: {first['message']}"
         console.print(text, highlight=False, markup=False, soft_wrap=True)
-    if len(kinds) > REASONS:
-        console.print(f"  and {several(len(kinds) - REASONS, 'more kind')}", highlight=False)
+    if most is not None and len(kinds) > most:
+        console.print(f"  and {several(len(kinds) - most, 'more kind')}", highlight=False)

@@ -75,6 +75,23 @@ def check_command(arguments: Sequence[str]) -> Config:
     return config
 
 
+def check_words(words: Sequence[str]) -> None:
+    """Raise `ConfigError` for a word that is no ``name=value``, with the one that may be meant.
+
+    >>> check_words(["mpeg7"])
+    Traceback (most recent call last):
+    pipeline.errors.ConfigError: mpeg7: no name=value. Did you mean +dataset=mpeg7?
+    """
+    for word in words:
+        if "=" in word or word.startswith("~"):
+            continue
+        groups = [group for group, choices in group_choices().items() if word in choices]
+        meant = [f"{'+' if group == 'dataset' else ''}{group}={word}" for group in groups]
+        meant = meant or [f"{name}=…" for name in allowed_names() if word in (name, name.rpartition(".")[2])]
+        hint = f" Did you mean {' or '.join(meant)}?" if meant else " Parameters are given as trunks.tau_s=0.1"
+        raise ConfigError(f"{word}: no name=value.{hint}")
+
+
 def swept_over(arguments: Sequence[str]) -> frozenset[str]:
     """Names of the parameters and groups that a command line sweeps over.
 

@@ -13,6 +13,7 @@ from typing import Any, get_type_hints
 from hydra.core.config_store import ConfigStore
 
 from pipeline.config.schema import Config
+from pipeline.errors import ConfigError
 from riot.parameters import ParameterGroup
 
 _SHIPPED = Path(__file__).resolve().parents[1] / "conf"
@@ -35,7 +36,12 @@ def allowed_names() -> list[str]:
 
 
 def group_choices() -> dict[str, list[str]]:
-    """Groups that have files to choose from in `conf/`, and the names of these files."""
+    """Groups that have files to choose from in `conf/`, and the names of these files.
+
+    Raises `ConfigError` if the folder is missing.
+    """
+    if not (CONF / "config.yaml").is_file():
+        raise ConfigError(f"{CONF}: the configuration files are missing; install the project again")
     return {
         folder.name: sorted(file.stem for file in folder.glob("*.yaml"))
         for folder in sorted(CONF.iterdir())

@@ -1,78 +1,64 @@
-"""What `python -m pipeline.run --help` prints: usage, every parameter, and exit codes."""
+"""What `--help` of `riot mine` and of a study prints of parameters, and the names that ``name=value`` may have."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from pipeline.config.conf_files import group_choices
-from pipeline.config.parameter_table import Row, Section, sections
-from pipeline.exit_codes import MEANINGS
+from pipeline.config.conf_files import allowed_names, group_choices
+from pipeline.config.parameter_table import Row, Section, group_rows, sections
+from riot.cli.parser import Parser, columns, listing
+from riot.parameters import ParameterGroup
 
-WIDTH = 100
-HELP = frozenset({"--help", "-h"})
-
-USAGE = """\
-usage: python -m pipeline.run [+dataset=NAME] [name=value …] [--plan | --explain] [-m]
-
-Mine a collection of silhouettes for pairs that turn inside out into each other. Tables and a report
-go to outputs/DATASET/. Without +dataset the embedded sample is mined. The same command resumes a
-run that was stopped, and computes only what is not in the store.
-"""
-
-FLAGS = {
-    "--plan": "Show what would run, and stop.",
-    "--explain": "Show why each work item would run, and stop.",
-    "-m": "Sweep: run each combination of values such as trunks.tau_s=0.07,0.1.",
-    "--cfg job": "Print the configuration, and stop.",
-    "--help": "Print this text, and stop.",
-    "--hydra-help": "Print the flags of Hydra, which reads the command line, and stop.",
-}
+Choices = Mapping[str, Sequence[str]]
 
 
-def wants_help(arguments: Sequence[str]) -> bool:
-    """Whether a command line asks for this text."""
-    return not HELP.isdisjoint(arguments)
+def add_assignments(parser: Parser, names: Callable[[], Choices]) -> None:
+    """Let a command take ``name=value``; ``names`` gives all names, each with the values that it can be chosen from."""
+    parser.add_argument("assignments", nargs="*", metavar="name=value", help="parameters, listed below")
+    parser.names = names
 
 
-def help_text() -> str:
-    """The whole text, at most `WIDTH` columns wide.
+def run_names() -> Choices:
+    """Names that a command line of a run may give a value to, and values to choose from.
 
-    >>> print(help_text().splitlines()[0])
-    usage: python -m pipeline.run [+dataset=NAME] [name=value …] [--plan | --explain] [-m]
+    >>> run_names()["select"]
+    ['global', 'paper']
     """
-    lines = [usage_text(), "parameters, each with its default as name=value:", ""]
-    for section in sections():
-        lines += [*_section_lines(section), ""]
-    return "\n".join([*lines, *_exit_code_lines()])
+    choices = group_choices()
+    data = {"+dataset": choices.pop("dataset")}
+    return {**data, **choices, **dict.fromkeys(allowed_names(), ())}
 
 
-def usage_text() -> str:
-    """The first part: usage, flags, and what there is to choose from."""
+def run_sections() -> str:
+    """Choices and every parameter of a run."""
     choices = {f"{group}=": " | ".join(names) for group, names in group_choices().items()}
-    return "\n".join([USAGE, "flags:", *_listed(FLAGS), "", "choices:", *_listed(choices), ""])
+    blocks = ["\n".join(_section_lines(section)) for section in sections()]
+    return "\n".join(
+        [listing("choices", choices), "parameters, each with its default as name=value:\n", "\n\n".join(blocks), ""]
+    )
 
 
-def _exit_code_lines() -> Iterator[str]:
-    yield "exit codes, of a sweep the greatest of its jobs:"
-    yield from _listed({str(code): meaning for code, meaning in MEANINGS.items()})
-
-
-def _listed(meanings: dict[str, str]) -> Iterator[str]:
-    column = max(map(len, meanings)) + 4
-    for name, meaning in meanings.items():
-        yield textwrap.fill(meaning, WIDTH, initial_indent=f"  {name}".ljust(column), subsequent_indent=" " * column)
+def group_section(title: str, group: type[ParameterGroup]) -> str:
+    """The parameters of one group."""
+    rows = list(group_rows(group, ""))
+    lines = [line for row in rows for line in _row_lines(row)] or ["  none"]
+    return "\n".join([f"{title}:", *lines, ""])
 
 
 def _section_lines(section: Section) -> Iterator[str]:
-    yield textwrap.fill(f"{section.name or 'run'}: {section.meaning}", WIDTH)
+    yield textwrap.fill(f"{section.name or 'run'}: {section.meaning}", columns())
     for row in section.rows:
-        yield _wrapped(f"{row.name}={row.default}  ({_allowed(row)}; {row.source})", "  ")
-        yield _wrapped(row.meaning, "      ")
+        yield from _row_lines(row)
+
+
+def _row_lines(row: Row) -> Iterator[str]:
+    yield _wrapped(f"{row.name}={row.default}  ({_allowed(row)}; {row.source})", "  ")
+    yield _wrapped(row.meaning, "      ")
 
 
 def _wrapped(text: str, indent: str) -> str:
-    return textwrap.fill(text, WIDTH, initial_indent=indent, subsequent_indent="      ", break_on_hyphens=False)
+    return textwrap.fill(text, columns(), initial_indent=indent, subsequent_indent="      ", break_on_hyphens=False)
 
 
 def _allowed(row: Row) -> str:

@@ -47,8 +47,8 @@ def sections() -> list[Section]:
     ['', 'dataset', 'shape', 'reversibility']
     """
     choices = group_choices()
-    return [Section("", _meaning(Config), (), tuple(_rows(Config, "")))] + [
-        Section(name, _meaning(group), tuple(choices.get(name, ())), tuple(_rows(group, f"{name}.")))
+    return [Section("", _meaning(Config), (), tuple(group_rows(Config, "")))] + [
+        Section(name, _meaning(group), tuple(choices.get(name, ())), tuple(group_rows(group, f"{name}.")))
         for name, group in parameter_groups().items()
     ]
 
@@ -67,7 +67,13 @@ def markdown_cell(text: str) -> str:
     return html.escape(text, quote=False).translate({ord(mark): f"&#{ord(mark)};" for mark in "|*_[`\\"})
 
 
-def _rows(group: type[ParameterGroup], prefix: str) -> Iterator[Row]:
+def group_rows(group: type[ParameterGroup], prefix: str) -> Iterator[Row]:
+    """The parameters of a group, each named as ``prefix`` and its name.
+
+    >>> from pipeline.config.schema import SelectConfig
+    >>> next(group_rows(SelectConfig, "select.")).name
+    'select.policy'
+    """
     kinds = get_type_hints(group)
     for field in dataclasses.fields(group):
         declared = describe(field)

@@ -1,4 +1,4 @@
-"""Fetch public data sets: `python -m pipeline.fetch mpeg7`. The decoded pixels are checked, not the archive.
+"""Fetch public data sets, as `riot fetch mpeg7` does. The decoded pixels are checked, not the archive.
 
 The archive's packing may change and its pictures may be saved anew in another format: what counts is that every
 picture shows the pixels that the manifest kept with the project lists.
@@ -6,14 +6,11 @@ picture shows the pixels that the manifest kept with the project lists.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import csv
 import hashlib
 import lzma
-import os
 import shutil
-import sys
 import tempfile
 import zipfile
 import zlib
@@ -26,7 +23,7 @@ import numpy as np
 import pooch
 from PIL import Image
 
-from pipeline.datasets.collection import DatasetError, default_root
+from pipeline.datasets.collection import DatasetError
 from pipeline.store.storage_errors import UNWRITABLE
 from riot.geometry.picture import PICTURE_FORMATS, PICTURE_SUFFIXES
 
@@ -258,33 +255,3 @@ def _unpack(archive: Path, folder: Path, entries: Iterable[ManifestEntry], most:
 def _summary(faults: list[str], shown: int = 5) -> str:
     more = f" and {len(faults) - shown} more" if len(faults) > shown else ""
     return ", ".join(faults[:shown]) + more
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Command line; returns the exit code: 0 done, 2 not."""
-    parser = argparse.ArgumentParser(prog="python -m pipeline.fetch", description="Fetch a public data set.")
-    commands = parser.add_subparsers(dest="command", required=True)
-    mpeg7 = commands.add_parser("mpeg7", help="1,400 silhouettes, MPEG-7 CE-Shape-1 part B")
-    mpeg7.add_argument("--to", type=Path, metavar="DIR", help="folder to make (default: the user's cache folder)")
-    mpeg7.add_argument("--from", dest="urls", action="append", metavar="URL", help="another address of the archive")
-    listing = commands.add_parser("manifest", help="list a folder's pictures with digests of their pixels")
-    listing.add_argument("folder", type=Path, metavar="DIR")
-    listing.add_argument("--to", type=Path, metavar="FILE", default=MPEG7_MANIFEST)
-    chosen = parser.parse_args(arguments)
-    try:
-        if chosen.command == "manifest":
-            print(f"{chosen.to}: {write_manifest(chosen.folder, chosen.to)} pictures")
-            return 0
-        target = chosen.to or default_root("mpeg7")
-        new = fetch(target, chosen.urls or MPEG7_URLS)
-        print(f"{target}: {'fetched and checked' if new else 'already there and checked'}")
-        argument = "" if chosen.to is None else f" dataset.root={os.fspath(target)}"
-        print(f"Now: python -m pipeline.run +dataset=mpeg7{argument}")
-    except (OSError, ValueError) as error:
-        print(f"pipeline.fetch: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

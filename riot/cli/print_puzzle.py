@@ -3,36 +3,25 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from rich.console import Console
-
-from riot.cli.size_options import add_sizes, chosen_sizes, name_options
+from riot.cli.output import Output
+from riot.cli.parser import Parser
+from riot.cli.size_options import add_sizes, chosen_sizes
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.texture.names import PATTERNS, SIDES
 from riot.errors import FabricationError
 from riot.fabricate import export
-from riot.fabricate.certificate import build, fix
+from riot.fabricate.certificate import BuiltPuzzle, build, fix
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
-from riot.fabricate.model import Design
-from riot.parameters import FabricationParameters
 from riot.transform.riot_file import load
-from riot.transform.transform import Transform
-
-if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
-
-More = Callable[[Design], Sequence[Callable[[Path], None]]]
-"""What else to write for a design: functions that each write into the folder they are given."""
 
 
-def add_print(commands: Commands) -> None:
-    """Add the command to the parser of `riot`."""
-    parser = commands.add_parser("print", help="make the solids of a .riot file for a 3D printer")
-    parser.add_argument("file", type=Path, metavar="FILE.riot")
+def add_options(parser: Parser) -> None:
+    """See `riot.cli.command.CommandModule`."""
+    parser.add_argument("file", type=Path, metavar="FILE.riot", help="a transform, as `riot make` writes it")
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="a folder that is not there yet"
     )
@@ -56,39 +45,10 @@ def add_print(commands: Commands) -> None:
             help=f"what is object in --texture-{side}, if it is a picture without transparency: one of the same size",
         )
     parser.add_argument("--pattern", choices=PATTERNS, help="paint sides without a picture with a pattern")
-    parser.set_defaults(run=_print)
 
 
-def print_puzzle(
-    transform: Transform,
-    folder: Path,
-    parameters: FabricationParameters | None = None,
-    *,
-    mend: bool = False,
-    more: More | None = None,
-) -> list[Path]:
-    """Design, verify, print the certificate on the terminal, write the files; returns them.
-
-    With ``mend`` the pin may get thinner, the size larger, and knuckles thicker.
-
-    Raises `riot.errors.FabricationError` with the reason if the puzzle cannot be made, OSError if the folder
-    cannot be written; then nothing is written.
-    """
-    check_folder(folder)
-    puzzle = (fix if mend else build)(transform, parameters)
-    certificate = puzzle.certificate
-    Console().print(certificate.table())
-    for line in (*certificate.words(), *(f"changed: {words}" for words in puzzle.changes)):
-        print(name_options(line))
-    for words in puzzle.design.warnings:
-        print(f"warning: {name_options(words)}")
-    print(f"certificate: {'passed' if certificate.passed else 'failed'}")
-    if not certificate.passed:
-        raise FabricationError("uncertified", "; ".join(certificate.failures))
-    return write_puzzle(puzzle.design, puzzle.parts, certificate, folder, more(puzzle.design) if more else ())
-
-
-def _print(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, output: Output) -> int:
+    """See `riot.cli.command.CommandModule`."""
     parameters = chosen_sizes(chosen)
     check_folder(chosen.output)
     transform = load(chosen.file)
@@ -98,13 +58,22 @@ def _print(chosen: argparse.Namespace) -> int:
     textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern)
     paper = chosen.paper or chosen.dxf or bool(textures)
 
-    def more(design: Design) -> list[Callable[[Path], None]]:
-        def write(folder: Path) -> None:
-            export.paperwork.write_paperwork(design, folder, textures, dxf=chosen.dxf)
+    def write_paper(folder: Path) -> None:
+        export.paperwork.write_paperwork(puzzle.design, folder, textures, dxf=chosen.dxf)
 
-        return [write]
-
-    written = print_puzzle(transform, chosen.output, parameters, mend=chosen.fix, more=more if paper else None)
-    for path in written:
-        print(path)
+    puzzle = (fix if chosen.fix else build)(transform, parameters)
+    _show(puzzle, output)
+    if not puzzle.certificate.passed:
+        raise FabricationError("uncertified", "; ".join(puzzle.certificate.failures))
+    files = write_puzzle(puzzle.design, puzzle.parts, puzzle.certificate, chosen.output, [write_paper] if paper else ())
+    document = json.loads((chosen.output / "parts.json").read_bytes())
+    output.facts({"changes": puzzle.changes, "puzzle": document, "files": files}, *map(str, files))
     return 0
+
+
+def _show(puzzle: BuiltPuzzle, output: Output) -> None:
+    certificate = puzzle.certificate
+    output.show(certificate.table(), *certificate.words())
+    output.show(*(f"changed: {words}" for words in puzzle.changes))
+    output.show(*(f"warning: {words}" for words in puzzle.design.warnings))
+    output.show(f"certificate: {'passed' if certificate.passed else 'failed'}")

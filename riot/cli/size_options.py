@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import argparse
-import re
 from collections.abc import Collection
 from dataclasses import fields
 
+from riot.cli.parser import Parser
 from riot.parameters import FabricationParameters
 from riot.parameters.field import describe
 
 
-def add_sizes(parser: argparse.ArgumentParser, without: Collection[str] = ()) -> None:
+def add_sizes(parser: Parser, without: Collection[str] = ()) -> None:
     """Add an option for every parameter except those ``without`` one, which the command decides itself."""
     for field in fields(FabricationParameters):
         if field.name not in without:
             declared = describe(field)
             assert declared is not None
-            parser.add_argument(
+            parser.parameter_option(
                 _option(field.name),
-                dest=field.name,
+                field.name,
                 type=float,
                 metavar="MM",
                 help=f"{declared.meaning} {declared.range}, default {field.default:g}",
@@ -33,18 +33,6 @@ def chosen_sizes(chosen: argparse.Namespace) -> FabricationParameters:
     """
     given = {field.name: getattr(chosen, field.name, None) for field in fields(FabricationParameters)}
     return FabricationParameters(**{name: value for name, value in given.items() if value is not None})
-
-
-def name_options(message: str) -> str:
-    """Name in a message the option that the user types instead of the parameter of fabrication.
-
-    Examples
-    --------
-    >>> name_options("enlarge size_mm (30) or thin pin_mm (8)")
-    'enlarge --size (30) or thin --pin (8)'
-    """
-    names = "|".join(field.name for field in fields(FabricationParameters))
-    return re.sub(rf"\b({names})\b", lambda match: _option(match[0]), message)
 
 
 def _option(parameter: str) -> str:

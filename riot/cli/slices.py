@@ -7,15 +7,15 @@ Ours.
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
 from rich.table import Table
 
 from riot import slices  # lazy: what cuts and builds takes a second to import
+from riot.cli.output import Output
+from riot.cli.parser import EXIT_CODES, Parser
 from riot.cli.size_options import add_sizes, chosen_sizes
 from riot.errors import TrunkError
 from riot.fabricate import export
@@ -27,23 +27,18 @@ from riot.parameters import ShapeParameters
 from riot.transform.deformation import overlap_ratios
 
 if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
     Search = Callable[[Sequence[Shape], int], Sequence[slices.Shortlist]]
     # The shortlists of some slices' shapes, each of so many at most.
 
 MADE, SOME_FAILED = 0, 3
-PIPED_WIDTH = 140
 CANDIDATES = 10
 
 _DECIDED = ("size_mm", "thickness_mm")
 """Parameters of fabrication that the cut decides for every slice."""
 
 
-def add_slices(commands: Commands) -> None:
-    """Add the command to the parser of `riot`."""
-    parser = commands.add_parser(
-        "slices", help="cut a solid into thick slices, each a puzzle that becomes another shape"
-    )
+def add_options(parser: Parser) -> None:
+    """See `riot.cli.command.CommandModule`."""
     parser.add_argument("model", type=Path, metavar="MODEL", help="a watertight solid: STL, 3MF or OBJ, in mm")
     parser.add_argument(
         "--into", nargs="+", metavar="A.png,B.png", help="pictures or SVG files to become, apart by commas or spaces"
@@ -68,13 +63,14 @@ def add_slices(commands: Commands) -> None:
     parser.add_argument("--fix", action="store_true", help="change pin or wall where a slice cannot be made as is")
     parser.add_argument("--paper", action="store_true", help="an assembly page and pictures of every slice too")
     add_sizes(parser, without=_DECIDED)
-    parser.set_defaults(run=_slices)
+    parser.exit_codes = {**EXIT_CODES, SOME_FAILED: "Some slices could not be made; the others are written."}
 
 
-def _slices(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, output: Output) -> int:
+    """See `riot.cli.command.CommandModule`."""
     if not chosen.into:
         raise TrunkError("there is nothing to become: give pictures with --into A.png,B.png")
-    return slice_model(chosen, given(chosen.into))
+    return slice_model(chosen, output, given(chosen.into))
 
 
 def given(words: Sequence[str]) -> Search:
@@ -102,8 +98,10 @@ def _named(paths: Sequence[Path]) -> list[Shape]:
     ]
 
 
-def slice_model(chosen: argparse.Namespace, search: Search, sampling: ShapeParameters | None = None) -> int:
-    """Do what was ``chosen`` (`add_slices`), with the counterparts that ``search`` finds; returns the exit code.
+def slice_model(
+    chosen: argparse.Namespace, output: Output, search: Search, sampling: ShapeParameters | None = None
+) -> int:
+    """Do what was ``chosen`` (`add_options`), with the counterparts that ``search`` finds; returns the exit code.
 
     ``sampling``: how outlines of slices become shapes. Raises what the command tells; then nothing is written.
     """
@@ -113,7 +111,7 @@ def slice_model(chosen: argparse.Namespace, search: Search, sampling: ShapeParam
         raise TrunkError(f"--candidates {chosen.candidates}: try one at least")
     how = slices.Cut(chosen.count, chosen.thickness, chosen.size, chosen.along, parameters.layer_mm)
     stack = slices.cut(slices.read_model(chosen.model), how)
-    warm_all(_say)
+    warm_all(output.note)
     # With so many candidates each, as many slices as there are can take one of their own.
     keep = max(chosen.candidates, len(stack.slices)) if chosen.distinct else chosen.candidates
     outcomes = slices.make_puzzles(
@@ -123,11 +121,11 @@ def slice_model(chosen: argparse.Namespace, search: Search, sampling: ShapeParam
         distinct=chosen.distinct,
         mend=chosen.fix,
         sampling=sampling,
-        note=_say,
+        note=output.note,
     )
     slices.files.write_set(stack, outcomes, chosen.output, _paperwork if chosen.paper else None)
-    _print_table(stack, outcomes)
-    print(chosen.output)
+    document = {"folder": chosen.output, "set": slices.files.set_document(stack, outcomes)}
+    output.facts(document, _table(stack, outcomes), str(chosen.output))
     return MADE if all(outcome.puzzle is not None for outcome in outcomes) else SOME_FAILED
 
 
@@ -138,10 +136,7 @@ def _paperwork(puzzle: slices.Puzzle) -> list[Callable[[Path], None]]:
     return [write]
 
 
-def _print_table(stack: slices.Stack, outcomes: Sequence[slices.SliceOutcome]) -> None:
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=PIPED_WIDTH)
+def _table(stack: slices.Stack, outcomes: Sequence[slices.SliceOutcome]) -> Table:
     title = (
         f"{stack.name}: {len(stack.slices)} slices of {stack.thickness:g} mm along {stack.along}, "
         f"scaled by {stack.scale:.4g}; stack and object share {stack.iou:.1%} of both"
@@ -158,8 +153,4 @@ def _print_table(stack: slices.Stack, outcomes: Sequence[slices.SliceOutcome]) -
             ious = [f"{iou:.3f}" for iou in overlap_ratios(puzzle.transform)]
             row += [puzzle.counterpart, str(len(puzzle.transform)), *ious, "; ".join(puzzle.built.changes)]
         table.add_row(*row)
-    console.print(table, markup=False)
-
-
-def _say(text: str) -> None:
-    print(f"riot: {text}", file=sys.stderr)
+    return table

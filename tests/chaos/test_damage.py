@@ -16,8 +16,10 @@ from chaos.nursery import Nursery
 from chaos.victims import begun, committed, little_memory, mine
 from integration.small_runs import digests
 
-from pipeline.cli.cache import CLEAN, DAMAGED, main
+from pipeline.cache import main
+from pipeline.cli.cache import DAMAGED
 from pipeline.errors import PayloadError, StartError
+from pipeline.exit_codes import CLEAN
 from pipeline.flow import run_pipeline
 from pipeline.plan.code_digest import code_digests
 from pipeline.plan.sources import ROOT
@@ -154,7 +156,7 @@ def test_a_store_in_use_is_not_tidied(
     store = copied(undisturbed, tmp_path)
     gc = ["gc", "--store", str(store.root), "--outputs", str(tmp_path / "outputs")]
     with store.files.shared(), store.files.shared():
-        assert main(gc) == 2 and "a run is using it" in capsys.readouterr().out
+        assert main(gc) == 2 and "a run is using it" in capsys.readouterr().err
         assert main([*gc, "--dry-run"]) == CLEAN
     assert main(gc) == CLEAN
 

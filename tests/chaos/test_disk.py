@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import io
 import os
@@ -21,18 +22,18 @@ from chaos.test_workers import SAME
 from chaos.victims import Undisturbed, begun, committed, recording
 from integration.small_runs import BAD_START, CLEAN, WITH_ERRORS, command, digests, run_here, table
 from PIL import ImageFile
-from rich.console import Console
 
 import pipeline.runtime.execute
-from pipeline.cli.cache import main
+from pipeline.cache import main
+from pipeline.cli.mine import run_job
 from pipeline.config.schema import ClusterConfig, Config
 from pipeline.errors import StorageError
 from pipeline.exit_codes import FAILED
 from pipeline.plan.work_item import Reference
-from pipeline.run import run_job
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import Store
+from riot.cli.output import Output
 
 Scenario = Callable[[Undisturbed, Path], None]
 ENOUGH = "size=64m"
@@ -62,8 +63,8 @@ def mine(
     """A run as the command line makes it: its exit code, what it complained of, and the work that it began."""
     log, complaints = where / "log", io.StringIO()
     log.unlink(missing_ok=True)
-    with recording(log, disturb):
-        ended = run_job(config, Console(file=io.StringIO()), Console(file=complaints, soft_wrap=True))
+    with recording(log, disturb), contextlib.redirect_stderr(complaints):
+        ended = run_job(config, Output("riot mine", quiet=True))
     return ended.code, complaints.getvalue().strip(), begun(log)
 
 

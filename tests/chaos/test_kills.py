@@ -26,7 +26,8 @@ from chaos.victims import (
 )
 from integration.small_runs import digests
 
-from pipeline.cli.cache import CLEAN, main
+from pipeline.cache import main
+from pipeline.exit_codes import CLEAN
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import State, Store

@@ -11,7 +11,9 @@ import pytest
 from edited_project import ALL, OF_EACH_KIND, Edit, Project, finished_once
 
 import pipeline.stages.shards
-from pipeline.cli.cache import CLEAN, damaged, main, stale, usage
+from pipeline.cache import main
+from pipeline.cli.cache import damaged, stale, usage
+from pipeline.exit_codes import CLEAN
 from pipeline.plan.work_item import Reference, WorkItem
 
 __all__ = ["finished_once"]

@@ -18,6 +18,7 @@ from PIL import Image
 
 from pipeline.datasets import fetch
 from pipeline.datasets.collection import DatasetConfig, DatasetError, collect
+from pipeline.fetch import main
 
 NAMES = ("Bone-1", "apple-1", "apple-2")
 
@@ -175,16 +176,16 @@ def test_a_users_folder_is_left_alone(server: Server, manifest: Path, tmp_path: 
 
 def test_command(server: Server, manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     # The project's own manifest wants 1,400 pictures; these three are none of them, or altered.
-    assert fetch.main(["mpeg7", "--to", str(tmp_path / "set"), "--from", pack(server, good())]) == 2
+    assert main(["mpeg7", "--to", str(tmp_path / "set"), "--from", pack(server, good())]) == 2
     assert "is missing" in capsys.readouterr().err
     listing = tmp_path / "list.csv"
-    assert fetch.main(["manifest", str(tmp_path / "originals"), "--to", str(listing)]) == 0
+    assert main(["manifest", str(tmp_path / "originals"), "--to", str(listing)]) == 0
     assert listing.read_bytes() == manifest.read_bytes()
-    assert fetch.main(["manifest", str(tmp_path / "absent")]) == 2
+    assert main(["manifest", str(tmp_path / "absent")]) == 2
     (tmp_path / "empty").mkdir()
     (tmp_path / "originals" / "torn-1.png").write_bytes(b"no picture")
     for folder in ("empty", "originals"):
-        assert fetch.main(["manifest", str(tmp_path / folder), "--to", str(listing)]) == 2
+        assert main(["manifest", str(tmp_path / folder), "--to", str(listing)]) == 2
     assert listing.read_bytes() == manifest.read_bytes()  # a list is replaced whole or not at all
 
 

@@ -208,7 +208,7 @@ def test_the_store_is_found_from_anywhere(
 def test_slices_look_for_the_same_partners(mined: Path, tmp_path: Path) -> None:
     draw(tmp_path / "new.png", 20)
     opened = open_mined(mined / "outputs" / "folder")
-    lists = shortlists(opened, [read(tmp_path / "new.png"), read(tmp_path / "new.png")], 3)
+    lists = shortlists(opened, [read(tmp_path / "new.png"), read(tmp_path / "new.png")], 3, print)
     expected = [(name, score) for name, _, score, *_ in plain(mined, tmp_path / "new.png")[:3]]
     assert [[(candidate.shape.name, candidate.qcrs) for candidate in candidates] for candidates in lists] == [
         expected,

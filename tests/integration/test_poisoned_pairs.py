@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 from small_runs import CLEAN, WITH_ERRORS, digests, pictures, table
 
-import pipeline.cli.cache
+import pipeline.cache
 import pipeline.runtime.quarantine
 import pipeline.runtime.worker
 import pipeline.stages.shards
@@ -137,7 +137,7 @@ def tidied(where: Path) -> bool:
     """Delete what nobody needs from the store; whether that was anything."""
     before = payloads(where)
     locations = ("--store", str(where / "store"), "--outputs", str(where / "outputs"))
-    assert pipeline.cli.cache.main(["gc", "--stale", *locations]) == pipeline.cli.cache.CLEAN
+    assert pipeline.cache.main(["gc", "--stale", *locations]) == CLEAN
     return payloads(where).keys() < before.keys()
 
 

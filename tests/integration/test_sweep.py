@@ -75,7 +75,7 @@ class Runs:
 @pytest.fixture
 def sweep(finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[int, list[int]]]:
     """Runs a sweep whose jobs are scripted; returns its exit code and the jobs that were begun."""
-    monkeypatch.setattr(summary_module, "show_outcome", lambda outcome, console: None)
+    monkeypatch.setattr(summary_module, "show_outcome", lambda outcome, console, *, verbose: None)
 
     def swept(values: str, **failing: BaseException) -> tuple[int, list[int]]:
         runs = Runs(finished / "outputs" / "folder", {int(name[1:]): error for name, error in failing.items()})

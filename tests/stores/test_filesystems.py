@@ -10,10 +10,11 @@ import pytest
 from integration.small_runs import digests, pictures
 from stores.kit import FilesKit, made, parts
 
-from pipeline.cli.cache import BAD_START, CLEAN, main
+from pipeline.cache import main
 from pipeline.config.schema import ClusterConfig, Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import StartError
+from pipeline.exit_codes import BAD_START, CLEAN
 from pipeline.flow import run_pipeline
 from pipeline.store.filesystem.base import Files
 from pipeline.store.filesystem.choose import open_files
@@ -98,7 +99,7 @@ def test_a_run_on_an_object_store_writes_the_same_tables(
     store = Store(there.store)
     store.put(parts(1), made(1))
     gc = ["gc", *at, "--outputs", str(there.outputs)]
-    assert main(gc) == BAD_START and "--alone" in capsys.readouterr().out
+    assert main(gc) == BAD_START and "--alone" in capsys.readouterr().err
     assert main([*gc, "--alone"]) == CLEAN
     assert store.state("stage", parts(1).key()) is State.ABSENT
     assert list(store.folders()) == list(Store(here.store).folders())

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli.cache import BAD_START, CLEAN, DAMAGED, main
+from pipeline.cache import main
+from pipeline.cli.cache import DAMAGED
+from pipeline.exit_codes import BAD_START, CLEAN
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, State, Store
@@ -62,7 +64,7 @@ def test_gc_keeps_what_runs_need(tmp_path: Path, store: Store) -> None:
 
 def test_gc_without_a_run_deletes_nothing(tmp_path: Path, store: Store, capsys: pytest.CaptureFixture[str]) -> None:
     assert call(tmp_path, "gc") == BAD_START
-    assert "--outputs" in capsys.readouterr().out
+    assert "--outputs" in capsys.readouterr().err
     assert store.state("crs", key("a")) is State.PRESENT
 
 
@@ -83,10 +85,10 @@ def test_gc_with_a_damaged_run_deletes_nothing(
     for text in ("{", "[]", '{"crs": 3}'):
         other_run.write_text(text)
         assert call(tmp_path, "gc") == BAD_START
-        assert ARTIFACTS in capsys.readouterr().out
+        assert ARTIFACTS in capsys.readouterr().err
     assert store.state("crs", key("b")) is State.PRESENT
 
 
 def test_no_store_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["du", "--store", str(tmp_path / "none")]) == BAD_START
-    assert "--store" in capsys.readouterr().out
+    assert "--store" in capsys.readouterr().err

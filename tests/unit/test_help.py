@@ -10,20 +10,22 @@ from omegaconf import OmegaConf
 
 from pipeline import exit_codes
 from pipeline.config.conf_files import allowed_names, group_choices, parameter_groups, plain_defaults
-from pipeline.config.help import WIDTH
 from pipeline.config.parameter_table import parameter_table, sections
 from pipeline.run import main
 from riot.parameters.field import describe
 
+WIDTH = 80
+
 
 @pytest.fixture(params=["--help", "-h"])
-def printed(request: pytest.FixtureRequest, capsys: pytest.CaptureFixture[str]) -> str:
+def printed(request: pytest.FixtureRequest, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
     assert main(["trunks.tau_s=wrong", request.param]) == exit_codes.CLEAN
     return capsys.readouterr().out
 
 
 def test_help_lists_every_parameter_with_its_default_within_its_width(printed: str) -> None:
-    assert re.findall(r"^  ([\w.]+)=\S*  \(", printed, flags=re.MULTILINE) == [
+    assert re.findall(r"^  ([\w.]+)=\S*\s+\(", printed, flags=re.MULTILINE) == [
         row.name for section in sections() for row in section.rows
     ]
     assert max(map(len, printed.splitlines())) <= WIDTH

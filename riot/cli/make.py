@@ -1,0 +1,168 @@
+"""The command `riot make A B -o DIR`: the transform of two silhouettes, certified, with pictures and films. Ours."""
+
+from __future__ import annotations
+
+import argparse
+import errno
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from riot.cli.inputs import add_inputs, read_inputs
+from riot.cli.output import Output
+from riot.cli.parser import Parser
+from riot.cli.show import transform_facts, transform_lines
+from riot.construction.pins import load_pins
+from riot.construction.plan import ConstructionPlan
+from riot.construction.plan_transform import construct_plan
+from riot.construction.trunk_choice import alternatives, construct
+from riot.draw import texture  # lazy: what paints takes a second to import
+from riot.draw.animate import animate_svg
+from riot.draw.figure import draw_transform
+from riot.draw.film import film_writer, write_film
+from riot.draw.piece_image import NO_IMAGES, PieceImages
+from riot.draw.strip import draw_strip
+from riot.draw.texture.names import SIDES, Side
+from riot.errors import TrunkError
+from riot.kernels.warm import warm_all
+from riot.motion.planner import with_motion
+from riot.parameters import (
+    ConstructParameters,
+    CrsParameters,
+    MotionParameters,
+    RefineParameters,
+    ShapeParameters,
+    TrunkParameters,
+)
+from riot.scores.crs import crs
+from riot.scores.qcrs import qcrs
+from riot.transform.certificate import certify
+from riot.transform.history import History
+from riot.transform.provenance import file_digest, record_history
+from riot.transform.riot_file import save
+from riot.transform.transform import Transform
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What else to do than the usual: suffixes of films (.gif, .mp4), the trunk pair by rank, pins, the method."""
+
+    films: tuple[str, ...] = ()
+    rank: int | None = None
+    pins: Path | None = None
+    method: Literal["exact", "laplacian"] = "exact"
+    pictures: Mapping[Side, Path] | None = None
+    """Colour pictures of P and Q, of the same size as the inputs: what the pieces show."""
+
+
+def add_options(parser: Parser) -> None:
+    """See `riot.cli.command.CommandModule`."""
+    add_inputs(parser)
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="where results go")
+    parser.add_argument("--rank", type=int, metavar="K", help="use the trunk pair of this rank of `riot trunks`")
+    parser.add_argument("--pins", type=Path, metavar="FILE", help="keep or redraw stretches of the outlines (JSON)")
+    parser.add_argument(
+        "--method", choices=("exact", "laplacian"), default="exact", help="laplacian: the paper's, not exact"
+    )
+    parser.add_argument("--gif", action="store_true", help="film the motion as an animated GIF too")
+    parser.add_argument("--mp4", action="store_true", help="film it as an MP4 too (needs the extra 'film')")
+    for side, name in zip(SIDES, "AB", strict=True):
+        parser.add_argument(
+            f"--texture-{side}",
+            type=Path,
+            metavar="PICTURE",
+            help=f"show {name}'s colours on the pieces, from a picture of its size ({name} itself, if it has colours)",
+        )
+
+
+def run(chosen: argparse.Namespace, output: Output) -> int:
+    """See `riot.cli.command.CommandModule`."""
+    films = tuple(f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind))
+    pictures = {side: path for side in SIDES if (path := getattr(chosen, f"texture_{side}"))}
+    wishes = Wishes(films, chosen.rank, chosen.pins, chosen.method, pictures)
+    make(chosen.a, chosen.b, chosen.output, wishes, output)
+    return 0
+
+
+def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Output) -> None:
+    """Construct the transform of two silhouettes and write it to ``folder``: .riot, pictures, animation.
+
+    Raises `riot.errors.TrunkError` if there is no trunk pair of the rank that is wished for.
+    """
+    films = wishes.films
+    if ".mp4" in films:
+        film_writer()  # before the long work: it raises if there is none
+    a, b = read_inputs(path_a, path_b)
+    pins = None if wishes.pins is None else load_pins(wishes.pins, a, b)
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, "a file, where results need a folder", str(folder))
+    folder.mkdir(parents=True, exist_ok=True)
+    warm_all(output.note)
+    scores = {"qcrs": qcrs(a, b).score, "crs": crs(a, b).score}
+    output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
+    parameters = ConstructParameters(method=wishes.method)
+    if wishes.rank is None:
+        transform = construct(a, b, parameters=parameters, pins=pins)
+    else:
+        transform = construct_plan(_ranked(alternatives(a, b), wishes.rank), parameters, pins)
+    if certify(transform).passed:
+        transform = with_motion(transform)
+    transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
+    facts = transform_facts(transform)
+    output.show(*transform_lines(transform, facts))
+    images = _piece_images(transform, wishes.pictures, {"p": path_a, "q": path_b})
+    files = []
+    for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films, images):
+        output.show(str(path))
+        files.append(path)
+    output.document({**scores, **facts, "files": files})
+
+
+def _history(path_a: Path, path_b: Path, parameters: ConstructParameters, wishes: Wishes) -> History:
+    pins = None if wishes.pins is None else file_digest(wishes.pins)
+    steps: dict[str, dict[str, Any]] = {
+        "ingest": asdict(ShapeParameters()),
+        "trunks": asdict(TrunkParameters()),
+        "crs": asdict(CrsParameters()),
+        "refine": asdict(RefineParameters()),
+        "construct": {**asdict(parameters), "rank": wishes.rank, "pins": pins},
+        "motion": asdict(MotionParameters()),
+    }
+    return record_history("riot make", (path_a, path_b), steps)
+
+
+def _ranked(plans: Sequence[ConstructionPlan], rank: int) -> ConstructionPlan:
+    if not 1 <= rank <= len(plans):
+        raise TrunkError(f"there is no trunk pair of rank {rank}: there are {len(plans)}; `riot trunks A B` lists them")
+    return plans[rank - 1]
+
+
+def _piece_images(
+    transform: Transform, pictures: Mapping[Side, Path] | None, masks: Mapping[Side, Path]
+) -> PieceImages:
+    if not pictures:
+        return NO_IMAGES
+    textures = texture.paint.find_textures(transform, pictures, masks)
+    return texture.sample.piece_images(transform, textures)
+
+
+def _written(transform: Transform, stem: Path, films: Sequence[str], images: PieceImages) -> Iterator[Path]:
+    """Write the files of a transform, ``stem`` and a suffix each; yields each path when it is written."""
+
+    def swing(path: Path) -> None:
+        path.write_text(animate_svg(transform, images), encoding="utf-8")
+
+    kinds: list[tuple[str, Callable[[Path], None]]] = [
+        (".riot", lambda path: save(transform, path)),
+        (".svg", lambda path: draw_transform(transform, path, images)),
+        (".png", lambda path: draw_transform(transform, path, images)),
+        (".strip.svg", lambda path: draw_strip(transform, path, images)),
+        (".strip.png", lambda path: draw_strip(transform, path, images)),
+        (".swing.svg", swing),
+        *((film, lambda path: write_film(transform, path, images=images)) for film in films),
+    ]
+    for suffix, write in kinds:
+        path = stem.with_name(f"{stem.name}{suffix}")
+        write(path)
+        yield path

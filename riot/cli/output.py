@@ -1,0 +1,104 @@
+"""The one place where commands print: facts as lines and tables or as JSON, notes on standard error. Ours."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import rich.console
+
+VERSION = 1
+"""Version of the JSON documents; a change that a reader notices raises it."""
+
+PIPED_WIDTH = 140
+"""Columns of a table that goes to a file or a pipe (ours)."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """How a command prints: ``program`` is its name as the user typed it, such as ``riot make``.
+
+    ``words`` has what messages call things, and what the user calls each: the library names a parameter, the user an
+    option.
+    """
+
+    program: str
+    json: bool = False
+    quiet: bool = False
+    verbose: bool = False
+    words: Mapping[str, str] = field(default_factory=dict)
+
+    def facts(self, document: Mapping[str, Any], *shown: Any) -> None:
+        """Print facts: ``document`` if the user wants JSON, else what is ``shown``, lines and tables."""
+        self.show(*shown)
+        self.document(document)
+
+    def show(self, *shown: Any) -> None:
+        """Print lines (text as it stands) and tables, unless the user wants JSON or quiet."""
+        if self.json or self.quiet:
+            return
+        console = self.console()
+        for entry in shown:
+            if isinstance(entry, str):
+                print(self.worded(entry))
+            else:
+                console.print(entry, markup=False)
+
+    def document(self, document: Mapping[str, Any]) -> None:
+        """Print a JSON document if the user wants JSON: format, version, and the facts of a command."""
+        if self.json:
+            name = "-".join(("riot", *self.program.split()[1:]))
+            whole = {"format": name, "version": VERSION, **document}
+            print(json.dumps(_plain(whole), indent=1, ensure_ascii=False, allow_nan=False))
+
+    def note(self, text: str) -> None:
+        """Say on standard error what goes on."""
+        if not self.quiet:
+            print(f"{self.program}: {self.worded(text)}", file=sys.stderr)
+
+    def detail(self, text: str) -> None:
+        """Say on standard error what only a verbose user wants to know."""
+        if self.verbose:
+            self.note(text)
+
+    def complain(self, text: str) -> None:
+        """Say on standard error what is wrong, also to who wants quiet."""
+        print(f"{self.program}: {self.worded(text)}", file=sys.stderr)
+
+    def console(self) -> rich.console.Console:
+        """A console for tables: of the terminal's width, or `PIPED_WIDTH`."""
+        # Names of files stand as they are: to rich, brackets are colours.
+        console = rich.console.Console(highlight=False, emoji=False, markup=False)
+        if not console.is_terminal:
+            console.width = PIPED_WIDTH
+        return console
+
+    def worded(self, text: str) -> str:
+        """A message in the words of the user.
+
+        >>> Output("riot print", words={"size_mm": "--size"}).worded("enlarge size_mm (30)")
+        'enlarge --size (30)'
+        """
+        if not self.words:
+            return text
+        names = "|".join(map(re.escape, sorted(self.words, key=len, reverse=True)))
+        return re.sub(rf"(?<![\w.])(?:{names})(?!\w)", lambda match: self.words[match[0]], text)
+
+
+def _plain(value: Any) -> Any:
+    """A value that JSON has: a number that is not finite is null, a path its text."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

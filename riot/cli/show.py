@@ -1,0 +1,120 @@
+"""The command `riot show FILE.riot`: the numbers of a transform, its certificate and its motion. Ours."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from riot.cli.output import Output
+from riot.cli.parser import Parser
+from riot.motion.planner import motion_of
+from riot.transform.certificate import certify
+from riot.transform.deformation import change_ratio, measure_deformation
+from riot.transform.fidelity import bending_ratio, direction_error
+from riot.transform.history import to_document
+from riot.transform.motion import Motion
+from riot.transform.provenance import describe_history
+from riot.transform.riot_file import load
+from riot.transform.transform import Transform
+
+SIDES = ("p", "q")
+
+ROWS = (
+    ("IoU with the input", "iou", ".4f"),
+    ("bound of the IoU", "bound", ".4f"),
+    ("Hausdorff distance / L_c", "hausdorff", ".4f"),
+    ("mean distance / L_c", "mean_distance", ".4f"),
+    ("change / least change", "change", ".3f"),
+    ("bending / input's", "bending", ".3f"),
+    ("directions off, degrees", "direction_error", ".2f"),
+    ("overlap", "overlap", ".1e"),
+    ("gaps", "gap", ".1e"),
+    ("hinges apart", "hinge", ".1e"),
+)
+"""Rows of the table: words, the name of the number in the JSON document, and how it is written."""
+
+
+def add_options(parser: Parser) -> None:
+    """See `riot.cli.command.CommandModule`."""
+    parser.add_argument("file", type=Path, metavar="FILE.riot", help="a transform, as `riot make` writes it")
+    parser.add_argument(
+        "--history", action="store_true", help="print pictures, parameters, code and libraries that made it instead"
+    )
+
+
+def run(chosen: argparse.Namespace, output: Output) -> int:
+    """See `riot.cli.command.CommandModule`."""
+    transform = load(chosen.file)
+    if not chosen.history:
+        facts = transform_facts(transform)
+        output.facts(facts, *transform_lines(transform, facts))
+    elif transform.history is None:
+        untold = f"{chosen.file} tells no history: it was written by an earlier version, or by hand"
+        output.facts({"history": None}, untold)
+    else:
+        output.facts({"history": to_document(transform.history)}, *describe_history(transform.history))
+    return 0
+
+
+def transform_facts(transform: Transform) -> dict[str, Any]:
+    """The numbers of a transform: of each input, of the certificate, and of the motion, None unless it is certified."""
+    deformation, certificate = measure_deformation(transform), certify(transform)
+    inputs = []
+    for side in SIDES:
+        shape, outline = getattr(transform, side), getattr(transform, f"outline_{side}")()
+        iou, bound = getattr(deformation, f"iou_{side}"), getattr(transform, f"bound_{side}")
+        assembly = getattr(certificate, side)
+        inputs.append(
+            {
+                "name": shape.name,
+                "iou": iou,
+                "bound": bound,
+                "hausdorff": getattr(deformation, f"hausdorff_{side}"),
+                "mean_distance": getattr(deformation, f"mean_distance_{side}"),
+                "change": change_ratio(iou, bound),
+                "bending": bending_ratio(outline, shape.points),
+                "direction_error": math.degrees(direction_error(outline, shape.points)),
+                "overlap": assembly.overlap,
+                "gap": assembly.gap,
+                "hinge": assembly.hinge,
+            }
+        )
+    return {
+        "pieces": len(transform),
+        "inputs": inputs,
+        "certificate": {"passed": certificate.passed, "failure": certificate.failure or None},
+        "motion": _motion_facts(motion_of(transform)) if certificate.passed else None,
+    }
+
+
+def transform_lines(transform: Transform, facts: Mapping[str, Any]) -> Iterator[str | Table]:
+    """The ``facts`` of a transform for a terminal."""
+    names = [numbers["name"] for numbers in facts["inputs"]]
+    title = f"{' ⇄ '.join(names)}, {facts['pieces']} pieces"
+    table = Table("", *names, title=title, title_justify="left")
+    for words, name, form in ROWS:
+        numbers = [number[name] for number in facts["inputs"]]
+        table.add_row(words, *("–" if math.isnan(number) else format(number, form) for number in numbers))
+    yield table
+    if not facts["certificate"]["passed"]:
+        yield f"certificate: failed ({facts['certificate']['failure']})"
+        return
+    yield "certificate: passed"
+    motion = motion_of(transform)
+    lifting = "" if motion.flat else f", lifting at {', '.join(map(str, motion.lifted))}"
+    yield f"motion: {motion.words} ({motion.search}, open at hinge {motion.open_hinge}{lifting})"
+
+
+def _motion_facts(motion: Motion) -> dict[str, Any]:
+    return {
+        "flat": motion.flat,
+        "words": motion.words,
+        "search": motion.search,
+        "open_hinge": motion.open_hinge,
+        "lifted": list(motion.lifted),
+    }

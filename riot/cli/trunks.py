@@ -1,0 +1,36 @@
+"""The command `riot trunks A B`: the trunk pairs that `riot make` can be told to use. Ours."""
+
+from __future__ import annotations
+
+import argparse
+
+from rich.table import Table
+
+from riot.cli.inputs import add_inputs, read_inputs
+from riot.cli.output import Output
+from riot.cli.parser import Parser
+from riot.construction.trunk_choice import alternatives
+from riot.kernels.warm import warm_all
+
+
+def add_options(parser: Parser) -> None:
+    """See `riot.cli.command.CommandModule`."""
+    add_inputs(parser)
+
+
+def run(chosen: argparse.Namespace, output: Output) -> int:
+    """See `riot.cli.command.CommandModule`."""
+    a, b = read_inputs(chosen.a, chosen.b)
+    warm_all(output.note)
+    pairs = [
+        {"rank": rank, "pieces": len(plan.trunk_p), "bound_p": plan.bound_p, "bound_q": plan.bound_q}
+        for rank, plan in enumerate(alternatives(a, b), start=1)
+    ]
+    table = Table(
+        "rank", "pieces", f"IoU {a.name} ≤", f"IoU {b.name} ≤", title="Refined trunk pairs", title_justify="left"
+    )
+    for pair in pairs:
+        table.add_row(str(pair["rank"]), str(pair["pieces"]), f"{pair['bound_p']:.4f}", f"{pair['bound_q']:.4f}")
+    names = {"p": a.name, "q": b.name}
+    output.facts({"inputs": names, "trunk_pairs": pairs}, table)
+    return 0
