@@ -13,7 +13,7 @@ from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
 from pipeline.stages.shortlist import shortlisted
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
-from riot import construction, transform
+from riot import construction, geometry, transform
 from riot.errors import ConstructionError, TrunkError
 
 if TYPE_CHECKING:
@@ -142,6 +142,15 @@ def least_deformed(progress: Progress, count: int) -> list[WorkItem]:
     return sorted(certified(progress), key=iou, reverse=True)[:count]
 
 
+def _outlines(artifact: Artifact) -> Mapping[str, Any]:
+    text = artifact.document.get("riot")
+    if text is None:
+        return {}
+    result = transform.riot_file.from_json(text)
+    outlines = {"outline_p": result.outline_p(), "outline_q": result.outline_q()}
+    return {name: geometry.wkb.outline_wkb(points) for name, points in outlines.items()}
+
+
 def _row(artifact: Artifact) -> Mapping[str, Any]:
     row = {name: value for name, value in artifact.document.items() if name != "riot"}
     if "iou_p" in row:
@@ -216,6 +225,14 @@ STAGE = Stage(
                 Column("hinge_q", "float64", "certificate: greatest distance at a hinge of Q", AREA),
             ),
             _row,
+        ),
+        TableColumns(
+            "transforms",
+            (
+                Column("outline_p", "polygon", "outline that the pieces make as P, in P's frame, as WKB", AREA),
+                Column("outline_q", "polygon", "outline that the pieces make as Q, in Q's frame, as WKB", AREA),
+            ),
+            _outlines,
         ),
     ),
 )

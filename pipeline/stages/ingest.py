@@ -76,6 +76,7 @@ def _outlines(artifact: Artifact) -> Mapping[str, Any]:
         "perimeter": [math.fsum(geometry.polyline.edge_lengths(np.asarray(points))) for points in outlines],
         "width": [float(width) for width, _ in extents],
         "height": [float(height) for _, height in extents],
+        "outline": [geometry.wkb.outline_wkb(np.asarray(points)) if len(points) else None for points in outlines],
     }
 
 
@@ -97,6 +98,7 @@ STAGE = Stage(
                 Column("perimeter", "float64", "length of the boundary", "unit-area frame"),
                 Column("width", "float64", "extent in x", "unit-area frame"),
                 Column("height", "float64", "extent in y", "unit-area frame"),
+                Column("outline", "polygon", "the outline, centroid at the origin, as WKB", "unit-area frame"),
             ),
             _outlines,
         ),

@@ -22,7 +22,10 @@ collection, a shape, or a pair."""
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table; ``kind`` is an Arrow type by name, such as ``int32``, ``float64`` or ``list<int32>``."""
+    """A column of a table; ``kind`` is an Arrow type by name, such as ``int32``, ``float64`` or ``list<int32>``.
+
+    The kind ``polygon`` is well-known binary (`riot.geometry.wkb`), which the table's metadata declares as GeoParquet.
+    """
 
     name: str
     kind: str

@@ -2,11 +2,12 @@
 
 Columns that come from a stage stand in the stage's file; here are those that a table has by itself. `shape`, `i` and
 `j` are shape numbers: 0, 1, … in order of name, over the shapes of the run. Tables have plain columns only: pandas,
-Arrow, Dask and DuckDB read them without this project.
+Arrow, Dask and DuckDB read them without this project. Outlines are columns of GeoParquet.
 """
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 
@@ -23,8 +24,12 @@ KINDS = {
     "int32": pa.int32(),
     "int64": pa.int64(),
     "float64": pa.float64(),
+    "polygon": pa.binary(),
 }
 """Arrow types by name."""
+
+GEOPARQUET = "1.1.0"
+"""Version of the GeoParquet specification that the metadata of tables with outlines follows."""
 
 SCORE = "score in [0, 1]"
 
@@ -124,7 +129,7 @@ def _schema(meaning: str, columns: Sequence[Column]) -> pa.Schema:
         column_of_stage.name: column_of_stage for column_of_stage in reversed(columns)
     }  # two stages may give one column, the later one's value counts
     ordered = [first[name] for name in dict.fromkeys(column_of_stage.name for column_of_stage in columns)]
-    return schema(
+    arrow_schema = schema(
         meaning,
         *(
             column(
@@ -133,6 +138,26 @@ def _schema(meaning: str, columns: Sequence[Column]) -> pa.Schema:
             for column_of_stage in ordered
         ),
     )
+    return arrow_schema.with_metadata(arrow_schema.metadata | _geometry_metadata(ordered))
+
+
+def _geometry_metadata(columns: Sequence[Column]) -> dict[bytes, bytes]:
+    """The key ``geo`` by which GeoPandas, DuckDB and QGIS know outlines, if there are any; the first is the primary."""
+    outlines = {
+        column.name: {
+            "encoding": "WKB",
+            "geometry_types": ["Polygon"],
+            "crs": None,  # a plane of its own: the unit is in the column's metadata
+            "edges": "planar",
+            "orientation": "counterclockwise",
+        }
+        for column in columns
+        if column.kind == "polygon"
+    }
+    if not outlines:
+        return {}
+    document = {"version": GEOPARQUET, "primary_column": next(iter(outlines)), "columns": outlines}
+    return {b"geo": json.dumps(document).encode()}
 
 
 ERRORS = _schema(

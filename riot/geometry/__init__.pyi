@@ -12,3 +12,4 @@ from . import silhouette as silhouette
 from . import svg_document as svg_document
 from . import svg_outline as svg_outline
 from . import svg_regions as svg_regions
+from . import wkb as wkb

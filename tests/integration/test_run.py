@@ -13,9 +13,12 @@ import subprocess
 from collections import Counter
 from pathlib import Path
 
+import duckdb
+import geopandas
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+import shapely
 from PIL import Image, ImageDraw
 from small_runs import (
     BAD_START,
@@ -60,6 +63,23 @@ def test_tables_are_whole_and_documented(finished: Path) -> None:
         assert row.trunk_i < counts[row.i] and row.trunk_j < counts[row.j]
     assert len(table(finished, "reversibility")) == SHAPES
     assert table(finished, "errors") == []
+
+
+def test_outlines_are_read_by_geopandas_and_duckdb_as_they_are(finished: Path) -> None:
+    folder = finished / "outputs" / "folder"
+    shapes, transforms = (geopandas.read_parquet(folder / f"{name}.parquet") for name in ("shapes", "transforms"))
+    assert shapes.crs is None and shapes.geometry.name == "outline" and transforms.geometry.name == "outline_p"
+    assert shapes.area.to_numpy() == pytest.approx(1.0) and shapes.length.to_numpy() == pytest.approx(shapes.perimeter)
+    assert all(outline.is_simple and outline.exterior.is_ccw for outline in shapes.geometry)
+    assert (shapes.geometry.count_coordinates() == shapes.points + 1).all()
+    constructed = transforms[transforms.file != ""]
+    assert len(constructed) and transforms[transforms.file == ""].outline_q.isna().all()
+    for row in constructed.itertuples():
+        transform = Transform.load(folder / row.file)
+        assert np.array_equal(np.array(row.outline_p.exterior.coords)[:-1], transform.outline_p())
+        assert np.array_equal(np.array(row.outline_q.exterior.coords)[:-1], transform.outline_q())
+    plain = duckdb.sql(f"SELECT outline::BLOB FROM '{folder}/shapes.parquet' ORDER BY shape").fetchall()
+    assert [shapely.from_wkb(wkb) for (wkb,) in plain] == list(shapes.geometry)
 
 
 def test_selected_pairs_are_the_best_and_become_transforms(finished: Path) -> None:
