@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from rich.table import Table
-
 from pipeline.cli.accept import accept, parts_of
 from pipeline.errors import PayloadError, StartError
 from pipeline.exit_codes import CLEAN
@@ -25,6 +23,7 @@ from pipeline.tables.messages import several
 from pipeline.tables.record import ARTIFACTS
 from riot.cli.output import Output
 from riot.cli.parser import EXIT_CODES, Parser
+from riot.cli.table import Table
 
 DAMAGED = 3
 """Exit code of ``verify`` when it finds damage."""
@@ -148,16 +147,11 @@ class CacheCommand:
 def _du(store: Store, chosen: argparse.Namespace, output: Output) -> int:
     usages = usage(store)
     sums = (sum(getattr(row, name) for row in usages) for name in ("artifacts", "size", "stale", "stale_size"))
-    table = Table()
-    table.add_column("stage")
-    table.add_column("artifacts", justify="right")
-    for title in ("MB", "stale", "stale MB"):
-        table.add_column(title, justify="right")
-    for row in (*usages, Usage("all", *sums)):
-        if row.stage == "all":
-            table.add_section()
-        megabytes = [f"{size / 1e6:,.1f}" for size in (row.size, row.stale_size)]
-        table.add_row(row.stage, f"{row.artifacts:,}", megabytes[0], f"{row.stale:,}", megabytes[1])
+    rows = [
+        (row.stage, f"{row.artifacts:,}", f"{row.size / 1e6:,.1f}", f"{row.stale:,}", f"{row.stale_size / 1e6:,.1f}")
+        for row in (*usages, Usage("all", *sums))
+    ]
+    table = Table(("stage", "artifacts", "MB", "stale", "stale MB"), rows, left=("stage",), totals=1)
     facts = {"store": str(store.root), "stages": [asdict(row) for row in usages]}
     output.facts(facts, table, "Stale: made by other code or libraries than are here, or from what was.")
     return CLEAN

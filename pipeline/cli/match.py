@@ -8,13 +8,12 @@ import time
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table
-
 from pipeline.match.search import MatchResult, MinedRun, Query, match, open_mined, read_query
 from pipeline.store.location import parse_location
 from riot.cli.inputs import PICTURE
 from riot.cli.output import Output
 from riot.cli.parser import EXIT_CODES, REFUSED, Parser
+from riot.cli.table import Table
 from riot.kernels.warm import warm_all
 
 FOUND, NOTHING = 0, 1
@@ -30,6 +29,7 @@ def add_options(parser: Parser) -> None:
     parser.add_argument(
         "--store", type=parse_location, metavar="LOCATION", help="the run's store, if it was moved (DIR or URL)"
     )
+    parser.flags["store=LOCATION"] = "--store LOCATION"
     parser.add_argument("--timings", action="store_true", help="print how long each step took, on standard error")
     parser.exit_codes = {
         FOUND: "There are partners.",
@@ -102,13 +102,18 @@ def document(mined: MinedRun, query: Query, result: MatchResult) -> dict[str, An
 
 def _table(mined: MinedRun, query: Query, result: MatchResult) -> Table:
     title = f"{query.name}: best of the {len(mined.names):,} shapes of {mined.dataset}"
-    table = Table(title=title, title_justify="left")
-    for name in ("rank", "shape", "class", "QCRS", "n", "trunks"):
-        table.add_column(name, justify="left" if name in ("shape", "class") else "right")
-    for row in rows(mined, result):
-        trunks = f"{row['trunk']} ~ {row['partner_trunk']}"
-        table.add_row(str(row["rank"]), row["name"], row["class"], f"{row['qcrs']:.4f}", str(row["n"]), trunks)
-    return table
+    partners = [
+        (
+            str(row["rank"]),
+            row["name"],
+            row["class"],
+            f"{row['qcrs']:.4f}",
+            str(row["n"]),
+            f"{row['trunk']} ~ {row['partner_trunk']}",
+        )
+        for row in rows(mined, result)
+    ]
+    return Table(("rank", "shape", "class", "QCRS", "n", "trunks"), partners, title, left=("shape", "class"))
 
 
 def _remark(mined: MinedRun, query: Query, result: MatchResult, output: Output) -> None:

@@ -51,6 +51,9 @@ ABOUT = (
 
 INTERRUPTION = "Interrupted. What is done is kept: the same command goes on from here."
 
+PIPED_WIDTH = 140
+"""Columns of a table that goes to a file or a pipe (ours)."""
+
 HYDRA_FLAGS = (("--resolve",), ("--run", "-r"), ("--shell-completion", "-sc"))
 HYDRA_OPTIONS = (
     ("--package", "-p"),
@@ -223,8 +226,10 @@ def _document(ended: Sequence[tuple[Sequence[str], JobEnd]], output: Output, *, 
 
 def _console(output: Output) -> rich.console.Console:
     """Where the progress and the summary of a run go: away from the JSON document, and nowhere for who wants quiet."""
-    console = output.console()
-    console.stderr, console.quiet = output.json, output.quiet
+    # Names of files stand as they are: to rich, brackets are colours.
+    console = rich.console.Console(stderr=output.json, quiet=output.quiet, highlight=False, emoji=False, markup=False)
+    if not console.is_terminal:
+        console.width = PIPED_WIDTH
     return console
 
 

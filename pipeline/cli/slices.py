@@ -22,6 +22,7 @@ def add_options(parser: Parser) -> None:
     parser.add_argument(
         "--store", type=parse_location, metavar="LOCATION", help="the run's store, if it was moved (DIR or URL)"
     )
+    parser.flags["store=LOCATION"] = "--store LOCATION"
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:

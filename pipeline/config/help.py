@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from pipeline.config.conf_files import allowed_names, group_choices
+from pipeline.config.conf_files import group_choices
 from pipeline.config.parameter_table import Row, Section, group_rows, sections
 from riot.cli.parser import Parser, columns, listing
 from riot.parameters import ParameterGroup
@@ -27,7 +27,7 @@ def run_names() -> Choices:
     """
     choices = group_choices()
     data = {"+dataset": choices.pop("dataset")}
-    return {**data, **choices, **dict.fromkeys(allowed_names(), ())}
+    return {**data, **choices, **{row.name: row.values for section in sections() for row in section.rows}}
 
 
 def run_sections() -> str:

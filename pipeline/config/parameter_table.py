@@ -5,9 +5,10 @@ from __future__ import annotations
 import dataclasses
 import html
 import inspect
+import typing
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, get_type_hints
+from typing import Any, Literal, get_type_hints
 
 from pipeline.config.conf_files import group_choices, parameter_groups
 from pipeline.config.schema import Config
@@ -28,6 +29,8 @@ class Row:
     range: str
     meaning: str
     source: str
+    values: tuple[str, ...] = ()
+    """All values that it can take, if these are words."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +89,14 @@ def group_rows(group: type[ParameterGroup], prefix: str) -> Iterator[Row]:
                 declared.range,
                 declared.meaning,
                 declared.source,
+                _values(kinds[field.name]),
             )
+
+
+def _values(kind: Any) -> tuple[str, ...]:
+    if kind is bool:
+        return ("true", "false")
+    return tuple(map(str, typing.get_args(kind))) if typing.get_origin(kind) is Literal else ()
 
 
 def _default(value: Any) -> str:

@@ -103,7 +103,7 @@ def open_mined(folder: Path, store: Location | None = None) -> MinedRun:
     config = _config(folder, record)
     where = Store(store or parse_location(record.get("store", config.store)))
     if not where.files.exists():
-        moved = "give --store DIR if it was moved" if store is None else "give the folder that it is in now"
+        moved = "give store=LOCATION if it was moved" if store is None else "give the folder that it is in now"
         raise StartError(f"{where.root}: the store of {folder} is gone; {moved}; else {AGAIN}")
     table = _shapes(folder, record)
     number_of = {digest: number for number, digest in zip(table["shape"], table["digest"], strict=True)}
@@ -160,7 +160,7 @@ def match(mined: MinedRun, index: TrunkIndex, query: Query, count: int) -> Match
 def _record(folder: Path) -> Mapping[str, Any]:
     if not folder.is_dir():
         what = "is not a folder" if folder.exists() else "does not exist"
-        raise StartError(f"{folder}: {what}; give --in the folder of a run's tables, such as outputs/sample")
+        raise StartError(f"{folder}: {what}; give the folder of a run's tables, such as outputs/sample")
     record = read_record(folder)
     if record is not None:
         return record
@@ -168,7 +168,7 @@ def _record(folder: Path) -> Mapping[str, Any]:
         raise StartError(f"{folder / RECORD}: damaged, or of another version of this program; {AGAIN}")
     runs = sorted(path.parent for path in folder.glob(f"*/{RECORD}"))
     if runs:
-        raise StartError(f"{folder}: not itself a run; give --in one of {', '.join(map(str, runs))}")
+        raise StartError(f"{folder}: not itself a run; give one of {', '.join(map(str, runs))}")
     raise StartError(
         f"{folder}: no finished run here ({RECORD} is missing): it was stopped, or is not done yet; "
         "the same command as before goes on with it"
@@ -210,7 +210,8 @@ def _entry(store: Store, folder: Path, recipe: Recipe, key: str) -> Entry:
         raise StartError(f"{store.root}: altered since {folder} was made ({error}); {AGAIN}") from error
     if entry is None:
         raise StartError(
-            f"{store.root}: {stage}/{key[:12]}, of {folder}, is gone; give --store DIR if it is another; else {AGAIN}"
+            f"{store.root}: {stage}/{key[:12]}, of {folder}, is gone; give store=LOCATION if it is another; "
+            f"else {AGAIN}"
         )
     parts = recipe.parts(entry.parts["inputs"])
     if parts.key() != key:

@@ -15,6 +15,7 @@ from pipeline.config.schema import Config
 from pipeline.errors import StartError
 from pipeline.match.search import MinedRun, open_mined
 from pipeline.match.shapes import read_shapes
+from pipeline.store.location import Location
 from pipeline.tables import schemas as tables
 from riot.geometry.shape import Shape
 from riot.types import FloatArray, IntArray
@@ -27,9 +28,9 @@ class StudiedRun:
     mined: MinedRun
 
     @classmethod
-    def open(cls, folder: Path) -> StudiedRun:
-        """The run in ``folder`` and the store that it names; raises `StartError` as `open_mined`."""
-        return cls(open_mined(folder))
+    def open(cls, folder: Path, store: Location | None = None) -> StudiedRun:
+        """The run in ``folder``, and its store if it is not where the run names it; raises as `open_mined`."""
+        return cls(open_mined(folder, store))
 
     @property
     def config(self) -> Config:

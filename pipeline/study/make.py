@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
 from omegaconf import OmegaConf
 
-from pipeline.config.build import build
-from pipeline.config.command_line import check_command, complete
-from pipeline.errors import ConfigError
+from pipeline.config.build import build, unknown_name
+from pipeline.config.command_line import check_command, check_words, complete
+from pipeline.config.conf_files import allowed_names, group_choices
+from pipeline.errors import ConfigError, StartError
 from pipeline.study.contents import write_contents
 from pipeline.study.findings import Findings, write_findings
 from pipeline.study.finished import StudiedRun
 from pipeline.tables.outputs import run_folder
-from pipeline.tables.record import STUDY
+from pipeline.tables.record import RECORD, STUDY
 from riot.kernels.warm import warm_all
 from riot.parameters import ParameterGroup
 
@@ -38,14 +40,31 @@ def make_study(name: str, study: Study, arguments: Sequence[str], say: Say) -> t
     Raises `RiotError` if the arguments are wrong or the run cannot be read.
     """
     study_arguments, run_arguments = split(arguments, study.Parameters)
+    check_words(run_arguments)
+    _check_names(run_arguments, [field.name for field in dataclasses.fields(study.Parameters)])
     parameters: Any = build(study.Parameters, study_arguments)
     config = check_command(complete(run_arguments))
-    warm_all(say)
     folder = run_folder(config)
-    findings = study.study(StudiedRun.open(folder), parameters, say)
+    if not (folder / RECORD).exists():
+        raise StartError(
+            f"{folder}: no finished run here; `{' '.join(('python -m pipeline.run', *run_arguments))}` makes it, or "
+            "name another run by +dataset=NAME, outputs=DIR"
+        )
+    moved = any(argument.startswith("store=") for argument in run_arguments)
+    finished = StudiedRun.open(folder, config.store if moved else None)
+    warm_all(say)
+    findings = study.study(finished, parameters, say)
     page = write_findings(findings, folder / STUDY / name)
     write_contents(folder)
     return findings, page
+
+
+def _check_names(run_arguments: Sequence[str], own: Sequence[str]) -> None:
+    """Raise `ConfigError` for a name that is no parameter, and is like one of the study's ``own``."""
+    of_run = {*allowed_names(), *group_choices()}
+    for name in (argument.partition("=")[0].lstrip("+~") for argument in run_arguments):
+        if name not in of_run and difflib.get_close_matches(name, own):
+            raise ConfigError(unknown_name(name, list(own)))
 
 
 def split(arguments: Sequence[str], parameters: type[ParameterGroup]) -> tuple[dict[str, Any], list[str]]:

@@ -11,13 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import rich.console
+from riot.cli.table import Table
 
 VERSION = 1
 """Version of the JSON documents; a change that a reader notices raises it."""
-
-PIPED_WIDTH = 140
-"""Columns of a table that goes to a file or a pipe (ours)."""
 
 
 @dataclass(frozen=True)
@@ -34,21 +31,18 @@ class Output:
     verbose: bool = False
     words: Mapping[str, str] = field(default_factory=dict)
 
-    def facts(self, document: Mapping[str, Any], *shown: Any) -> None:
+    def facts(self, document: Mapping[str, Any], *shown: str | Table) -> None:
         """Print facts: ``document`` if the user wants JSON, else what is ``shown``, lines and tables."""
         self.show(*shown)
         self.document(document)
 
-    def show(self, *shown: Any) -> None:
+    def show(self, *shown: str | Table) -> None:
         """Print lines (text as it stands) and tables, unless the user wants JSON or quiet."""
         if self.json or self.quiet:
             return
-        console = self.console()
         for entry in shown:
-            if isinstance(entry, str):
-                print(self.worded(entry))
-            else:
-                console.print(entry, markup=False)
+            for line in entry.lines() if isinstance(entry, Table) else [entry]:
+                print(self.worded(line))
 
     def document(self, document: Mapping[str, Any]) -> None:
         """Print a JSON document if the user wants JSON: format, version, and the facts of a command."""
@@ -70,14 +64,6 @@ class Output:
     def complain(self, text: str) -> None:
         """Say on standard error what is wrong, also to who wants quiet."""
         print(f"{self.program}: {self.worded(text)}", file=sys.stderr)
-
-    def console(self) -> rich.console.Console:
-        """A console for tables: of the terminal's width, or `PIPED_WIDTH`."""
-        # Names of files stand as they are: to rich, brackets are colours.
-        console = rich.console.Console(highlight=False, emoji=False, markup=False)
-        if not console.is_terminal:
-            console.width = PIPED_WIDTH
-        return console
 
     def worded(self, text: str) -> str:
         """A message in the words of the user.

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from pathlib import Path
 
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.size_options import add_sizes, chosen_sizes
+from riot.cli.table import Table
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.texture.names import PATTERNS, SIDES
 from riot.errors import FabricationError
 from riot.fabricate import export
-from riot.fabricate.certificate import BuiltPuzzle, build, fix
+from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
 from riot.transform.riot_file import load
@@ -73,7 +75,23 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
 
 def _show(puzzle: BuiltPuzzle, output: Output) -> None:
     certificate = puzzle.certificate
-    output.show(certificate.table(), *certificate.words())
+    output.show(_table(certificate), *certificate.words())
     output.show(*(f"changed: {words}" for words in puzzle.changes))
     output.show(*(f"warning: {words}" for words in puzzle.design.warnings))
     output.show(f"certificate: {'passed' if certificate.passed else 'failed'}")
+
+
+def _table(certificate: FabricationCertificate) -> Table:
+    rows = [
+        (
+            check.name,
+            str(check.count),
+            str(check.components),
+            str(check.genus),
+            f"{check.volume / 1000.0:.3f}",
+            "" if math.isnan(check.wall) else f"{check.wall:.2f}",
+        )
+        for check in certificate.parts
+    ]
+    columns = ("part", "count", "solids", "handles", "volume cm³", "narrowest mm")
+    return Table(columns, rows, "Fabrication", left=("part",))

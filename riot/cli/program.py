@@ -26,9 +26,8 @@ from riot.cli.parser import (
     sentence,
     unknown,
 )
-from riot.errors import RiotError
+from riot.errors import DISTRIBUTION, RiotError, needs_extra
 
-DISTRIBUTION = "riot-shapes"
 HELP, VERSION = frozenset({"-h", "--help"}), "--version"
 FLAGS = frozenset(name for short, (longer, _) in SHARED.items() for name in (short, longer) if name)
 
@@ -110,26 +109,22 @@ def _run(program: str, command: Command, arguments: Sequence[str], words: Mappin
         return DONE
     started = time.perf_counter()
     try:
-        parser = command.parser(program)
-        if not HELP.isdisjoint(arguments):
-            print(output.worded(parser.format_help()), end="")
-            return DONE
-        chosen = parser.parse(arguments)
-        chosen.arguments = [argument for argument in arguments if argument not in FLAGS]
-        json = parser.takes_json and chosen.json
-        output = Output(program, json, chosen.quiet, chosen.verbose, {**words, **parser.flags})
-        code = command.load().run(chosen, output)
+        with needs_extra(command.extra) if command.extra else contextlib.nullcontext():
+            parser = command.parser(program)
+            if not HELP.isdisjoint(arguments):
+                print(output.worded(parser.format_help()), end="")
+                return DONE
+            chosen = parser.parse(arguments)
+            chosen.arguments = [argument for argument in arguments if argument not in FLAGS]
+            json = parser.takes_json and chosen.json
+            output = Output(program, json, chosen.quiet, chosen.verbose, {**words, **parser.flags})
+            code = command.load().run(chosen, output)
     except BrokenPipeError:
         raise
     except UsageError as error:
         return _misused(output, error)
     except (RiotError, OSError) as error:
         return _refused(output, error, message(error))
-    except ModuleNotFoundError as error:
-        if not command.extra or not error.name or error.name.partition(".")[0] in ("riot", "pipeline"):
-            raise
-        advice = f"pip install '{DISTRIBUTION}[{command.extra}]'"
-        return _refused(output, error, f"the package {error.name} is not installed; {advice} brings it")
     output.detail(f"{time.perf_counter() - started:.1f} s")
     return code
 

@@ -8,10 +8,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table
-
 from riot.cli.output import Output
 from riot.cli.parser import Parser
+from riot.cli.table import Table
 from riot.motion.planner import motion_of
 from riot.transform.certificate import certify
 from riot.transform.deformation import change_ratio, measure_deformation
@@ -96,11 +95,11 @@ def transform_lines(transform: Transform, facts: Mapping[str, Any]) -> Iterator[
     """The ``facts`` of a transform for a terminal."""
     names = [numbers["name"] for numbers in facts["inputs"]]
     title = f"{' ⇄ '.join(names)}, {facts['pieces']} pieces"
-    table = Table("", *names, title=title, title_justify="left")
+    rows = []
     for words, name, form in ROWS:
         numbers = [number[name] for number in facts["inputs"]]
-        table.add_row(words, *("–" if math.isnan(number) else format(number, form) for number in numbers))
-    yield table
+        rows.append((words, *("–" if math.isnan(number) else format(number, form) for number in numbers)))
+    yield Table(("", *names), rows, title, left=("",))
     if not facts["certificate"]["passed"]:
         yield f"certificate: failed ({facts['certificate']['failure']})"
         return

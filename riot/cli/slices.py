@@ -11,12 +11,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-
 from riot import slices  # lazy: what cuts and builds takes a second to import
 from riot.cli.output import Output
 from riot.cli.parser import EXIT_CODES, Parser
 from riot.cli.size_options import add_sizes, chosen_sizes
+from riot.cli.table import Table
 from riot.errors import TrunkError
 from riot.fabricate import export
 from riot.fabricate.export.folder import check_folder
@@ -63,6 +62,7 @@ def add_options(parser: Parser) -> None:
     parser.add_argument("--fix", action="store_true", help="change pin or wall where a slice cannot be made as is")
     parser.add_argument("--paper", action="store_true", help="an assembly page and pictures of every slice too")
     add_sizes(parser, without=_DECIDED)
+    parser.flags |= {name: f"--{name.removesuffix('_mm')}" for name in _DECIDED}
     parser.exit_codes = {**EXIT_CODES, SOME_FAILED: "Some slices could not be made; the others are written."}
 
 
@@ -141,9 +141,7 @@ def _table(stack: slices.Stack, outcomes: Sequence[slices.SliceOutcome]) -> Tabl
         f"{stack.name}: {len(stack.slices)} slices of {stack.thickness:g} mm along {stack.along}, "
         f"scaled by {stack.scale:.4g}; stack and object share {stack.iou:.1%} of both"
     )
-    table = Table(title=title, title_justify="left")
-    for name in ("slice", "cm²", "filled", "left out", "becomes", "pieces", "IoU slice", "IoU becomes", "remarks"):
-        table.add_column(name, justify="left" if name in ("becomes", "remarks") else "right")
+    rows = []
     for outcome in outcomes:
         cut, puzzle = outcome.slice, outcome.puzzle
         row = [str(cut.number), *(f"{area / 100.0:.2f}" for area in (cut.area, cut.filled, cut.lost))]
@@ -152,5 +150,6 @@ def _table(stack: slices.Stack, outcomes: Sequence[slices.SliceOutcome]) -> Tabl
         else:
             ious = [f"{iou:.3f}" for iou in overlap_ratios(puzzle.transform)]
             row += [puzzle.counterpart, str(len(puzzle.transform)), *ious, "; ".join(puzzle.built.changes)]
-        table.add_row(*row)
-    return table
+        rows.append(row)
+    columns = ("slice", "cm²", "filled", "left out", "becomes", "pieces", "IoU slice", "IoU becomes", "remarks")
+    return Table(columns, rows, title, left=("becomes", "remarks"))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from rich.table import Table
-
 from riot.cli.inputs import add_inputs, read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import Parser
+from riot.cli.table import Table
 from riot.construction.trunk_choice import alternatives
 from riot.kernels.warm import warm_all
 
@@ -27,10 +26,13 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         for rank, plan in enumerate(alternatives(a, b), start=1)
     ]
     table = Table(
-        "rank", "pieces", f"IoU {a.name} ≤", f"IoU {b.name} ≤", title="Refined trunk pairs", title_justify="left"
+        ("rank", "pieces", f"IoU {a.name} ≤", f"IoU {b.name} ≤"),
+        [
+            (str(pair["rank"]), str(pair["pieces"]), f"{pair['bound_p']:.4f}", f"{pair['bound_q']:.4f}")
+            for pair in pairs
+        ],
+        "Refined trunk pairs",
     )
-    for pair in pairs:
-        table.add_row(str(pair["rank"]), str(pair["pieces"]), f"{pair['bound_p']:.4f}", f"{pair['bound_q']:.4f}")
     names = {"p": a.name, "q": b.name}
     output.facts({"inputs": names, "trunk_pairs": pairs}, table)
     return 0

@@ -97,7 +97,8 @@ class _PlacedOutline:
             raise ConstructionError(
                 "pins",
                 f"{label}: ({point[0]:.4g}, {point[1]:.4g}) lies {distances[cell]:.3g} from the outline, more than "
-                f"{PIN_REACH:.3g}: give a point on it in the shape's frame (Shape.from_source converts)",
+                f"{PIN_REACH:.3g}: give a point on it (in Python, Shape.from_source converts to the shape's "
+                "frame)",
             )
         return float(self.starts[cell] + shapely.line_locate_point(lines[cell], target))
 

@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from rich.table import Table
-
 from riot.errors import FabricationError
 from riot.fabricate.design import design
 from riot.fabricate.hinge_check import HingeCheck, check_hinges
@@ -50,29 +48,6 @@ class FabricationCertificate:
     def wall(self) -> float:
         """Least width of all pieces, mm."""
         return min(check.wall for check in self.parts if not math.isnan(check.wall))
-
-    def table(self) -> Table:
-        """Return a table for the terminal with one row for each part."""
-        table = Table(
-            "part",
-            "count",
-            "solids",
-            "handles",
-            "volume cm³",
-            "narrowest mm",
-            title="Fabrication",
-            title_justify="left",
-        )
-        for check in self.parts:
-            table.add_row(
-                check.name,
-                str(check.count),
-                str(check.components),
-                str(check.genus),
-                f"{check.volume / 1000.0:.3f}",
-                "" if math.isnan(check.wall) else f"{check.wall:.2f}",
-            )
-        return table
 
     def words(self) -> list[str]:
         """Describe each hinge and the motion, one line for each."""

@@ -56,8 +56,8 @@ def find_object(picture: Picture, where: str, parameters: ShapeParameters) -> tu
     if count < parameters.min_pixels:
         raise SilhouetteError(
             "too-small",
-            f"{where}: the object has {count} pixels, fewer than {parameters.min_pixels}; "
-            "use a larger picture or lower min_pixels",
+            f"{where}: the object has {count} pixels, fewer than min_pixels, {parameters.min_pixels}; "
+            "use a larger picture",
         )
     return ramp, component
 

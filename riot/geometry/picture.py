@@ -65,8 +65,8 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
                 if image.width * image.height > max_pixels:
                     raise SilhouetteError(
                         "too-large",
-                        f"{where}: {image.width} × {image.height} pixels are more than the limit of {max_pixels}; "
-                        "scale the picture down or raise max_pixels",
+                        f"{where}: {image.width} × {image.height} pixels are more than max_pixels, {max_pixels}; "
+                        "scale the picture down",
                     )
                 image.load()
                 if not image.width * image.height:
@@ -77,8 +77,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
     except UnidentifiedImageError as error:
         raise SilhouetteError(
             "not-a-picture",
-            f"{where}: the content is none of {', '.join(PICTURE_FORMATS)}; convert it to PNG, or remove the file "
-            "(an SVG file is read by Shape.from_svg)",
+            f"{where}: the content is none of {', '.join(PICTURE_FORMATS)}; convert it to PNG, or remove the file",
         ) from error
     except (Image.DecompressionBombError, TooManyBytes) as error:
         raise SilhouetteError("too-large", f"{where}: {error}; scale the picture down") from error

@@ -76,7 +76,7 @@ def load(path: str | os.PathLike[str]) -> ElementTree.Element:
             raise
         raise SilhouetteError(
             "unreadable",
-            f"{where}: not well-formed XML ({error}); save the file again (a picture is read by Shape.from_image)",
+            f"{where}: not well-formed XML ({error}); save the drawing again, or export it as PNG",
         ) from error
     if _tag(root) != "svg":
         raise SilhouetteError(

@@ -188,7 +188,7 @@ def test_a_store_that_is_gone_or_altered_is_refused(copy: Path, capsys: pytest.C
     payload.write_bytes(payload.read_bytes()[:-1] + b"\xff")
     assert "gone or altered" in refused(capsys, copy, picture, *options)
     shutil.rmtree(payload.parent)
-    assert "is gone; give --store DIR" in refused(capsys, copy, picture, *options)
+    assert "is gone; give --store LOCATION" in refused(capsys, copy, picture, *options)
     shutil.rmtree(store)
     assert f"{store}: the store of" in refused(capsys, copy, picture, *options)
     (copy / "outputs" / "folder" / "shapes.parquet").write_bytes(b"")

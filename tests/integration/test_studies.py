@@ -180,7 +180,7 @@ def test_mistakes_are_told(where: Path, tmp_path: Path, capsys: pytest.CaptureFi
         (["consistency", "pairs=2"], "pairs: must be 3 or more"),
         (["consistency", "pairs=many"], "pairs: expected a whole number"),
         (["consistency", "pair=3"], "no such parameter"),
-        (["timing", f"outputs={tmp_path}"], "does not exist"),
+        (["timing", f"outputs={tmp_path}"], "no finished run here"),
     ):
         assert main(arguments) == 2
         assert words in capsys.readouterr().err

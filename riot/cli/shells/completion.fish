@@ -13,7 +13,7 @@ function __riot_candidates
         set previous $word
         for line in (__riot_table)
             set -l fields (string split -m 3 '|' -- $line)
-            if test "$fields[2]" = c -a "$fields[1]" = "$command" -a "$fields[3]" = "$word"
+            if test "$fields[2]" = c; and test "$fields[1]" = "$command"; and test "$fields[3]" = "$word"
                 set command (string trim -- "$command $word")
                 break
             end
