@@ -218,6 +218,6 @@ def _entry(store: Store, folder: Path, recipe: Recipe, key: str) -> Entry:
         changes = "; ".join(explain(parts.to_json(), gather([entry.parts]))[:3])
         raise StartError(
             f"{folder}: mined by other code or libraries than are here, whose trunks may differ ({changes}); "
-            "mine it again, or match with the version that mined it"
+            "mine it again, or use the version that mined it"
         )
     return entry

@@ -137,10 +137,10 @@ def unknown(name: str, allowed: Iterable[str], noun: str, plural: str) -> str:
     >>> unknown("mkae", ["make", "show"], "command", "commands")
     'mkae: no such command. Did you mean make? The commands are make, show'
     """
-    known = list(allowed)
-    nearest = difflib.get_close_matches(name, known, n=1)
-    hint = f" Did you mean {nearest[0]}?" if nearest else ""
-    return f"{name}: no such {noun}.{hint} The {plural} are {', '.join(known)}"
+    known = {other.lstrip("-"): other for other in allowed}
+    nearest = difflib.get_close_matches(name.lstrip("-"), known, n=1)
+    hint = f" Did you mean {known[nearest[0]]}?" if nearest else ""
+    return f"{name}: no such {noun}.{hint} The {plural} are {', '.join(known.values())}"
 
 
 def sentence(text: str) -> str:
