@@ -22,12 +22,14 @@ MODULES = {
 }
 """Commands that are modules as well, by what messages call them."""
 
+RESUMES = "Interrupted. What is done is kept: the same command goes on from here."
+
 STUDY = Group(
     "ask a question of a finished run: a table, figures and a page",
     {
         "list": Command("what studies there are", lambda: cli.study.LIST, "mine"),
         **{
-            name: Command(meaning, lambda name=name: cli.study.StudyCommand(name), "mine")  # type: ignore[misc]
+            name: Command(meaning, lambda name=name: cli.study.StudyCommand(name), "mine", RESUMES)  # type: ignore[misc]
             for name, meaning in STUDIES.items()
         },
     },
@@ -63,7 +65,9 @@ FETCH = Group(
 RIOT: Group = Group(
     SUMMARY,
     {
-        "mine": Command("mine a collection for the pairs that do, with tables and a report", lambda: cli.mine, "mine"),
+        "mine": Command(
+            "mine a collection for the pairs that do, with tables and a report", lambda: cli.mine, "mine", RESUMES
+        ),
         "match": Command("find the best partners of a silhouette in a mined collection", lambda: cli.match, "mine"),
         "study": STUDY,
         "cache": CACHE,

@@ -37,7 +37,7 @@ from pipeline.config.help import add_assignments, run_names, run_sections
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetError
 from pipeline.errors import ConfigError, StartError
-from pipeline.exit_codes import BAD_START, CLEAN, FAILED, INTERRUPTED, MEANINGS
+from pipeline.exit_codes import BAD_START, CLEAN, FAILED, MEANINGS
 from pipeline.store.store import Store
 from riot.cli.output import Output
 from riot.cli.parser import PIPE_CLOSED, Parser
@@ -48,8 +48,6 @@ ABOUT = (
     "outputs/DATASET/. Without +dataset=NAME the embedded sample is mined. The same command resumes a run that was "
     "stopped, and computes only what is not in the store."
 )
-
-INTERRUPTION = "Interrupted. What is done is kept: the same command goes on from here."
 
 PIPED_WIDTH = 140
 """Columns of a table that goes to a file or a pipe (ours)."""
@@ -116,9 +114,6 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         if config is not None and is_multirun(options) and not (config.plan or config.explain):
             _tell_sweep(options, config.outputs, ended, output)
         _document(ended, output, sweep=is_multirun(options))
-    except KeyboardInterrupt:
-        _complain(INTERRUPTION, output)
-        return INTERRUPTED
     except BrokenPipeError:
         raise
     except (RiotError, OSError) as error:

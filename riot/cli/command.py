@@ -29,6 +29,8 @@ class Command:
     load: Callable[[], CommandModule]
     extra: str = ""
     """The extra of the package that it needs, empty if the base will do."""
+    interruption: str = ""
+    """What is said when Ctrl-C ends it, empty if only that it did."""
 
     def parser(self, program: str) -> Parser:
         """The parser of the command, called ``program`` in messages."""

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from importlib import metadata
 
 from riot.cli.command import Command, Group
+from riot.cli.interrupts import interruptible
 from riot.cli.output import Output
 from riot.cli.parser import (
     DONE,
@@ -54,7 +55,6 @@ def run_program(
     except BrokenPipeError:
         return _end_quietly()
     except KeyboardInterrupt:
-        print(f"{program}: interrupted", file=sys.stderr)
         return INTERRUPTED
 
 
@@ -99,7 +99,8 @@ def _dispatch(program: str, entry: Command | Group, arguments: list[str], words:
             program, entry = f"{program} {name}", entry.commands[name]
     except UsageError as error:
         return _misused(Output(program, words=words), error)
-    return _run(program, entry, [*flags, *arguments], words)
+    with interruptible(entry.interruption or f"{program}: interrupted"):
+        return _run(program, entry, [*flags, *arguments], words)
 
 
 def _run(program: str, command: Command, arguments: Sequence[str], words: Mapping[str, str]) -> int:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
-import signal
 from collections.abc import Iterator
 from functools import partial
 
 from pipeline.config.schema import ClusterConfig
 from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker, set_dask_options
 from pipeline.runtime.clusters.executor import Executor
-from pipeline.runtime.interrupts import interrupts_handled_by
+from pipeline.runtime.interrupts import interrupts_held
 from pipeline.runtime.threads import ONE_THREAD
 
 
@@ -24,7 +23,7 @@ def open_local(config: ClusterConfig) -> Iterator[Executor]:
     set_dask_options(watched=config.dashboard)
     workers = config.workers or os.cpu_count() or 1
     # The terminal sends Ctrl-C to all processes, and only this one should answer.
-    with interrupts_handled_by(signal.SIG_IGN):
+    with interrupts_held():
         cluster = LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
