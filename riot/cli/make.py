@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import errno
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any, Literal
 
 from riot.cli.inputs import add_inputs, read_inputs
 from riot.cli.output import Output
-from riot.cli.parser import Parser
+from riot.cli.parser import DONE, EXIT_CODES, Parser
 from riot.cli.show import transform_facts, transform_lines
 from riot.construction.pins import load_pins
 from riot.construction.plan import ConstructionPlan
@@ -38,10 +39,17 @@ from riot.parameters import (
 from riot.scores.crs import crs
 from riot.scores.qcrs import qcrs
 from riot.transform.certificate import certify
+from riot.transform.deformation import overlap_ratios
 from riot.transform.history import History
 from riot.transform.provenance import file_digest, record_history
 from riot.transform.riot_file import save
 from riot.transform.transform import Transform
+
+POOR = 4
+"""Exit code: files are written, but a shape is less like its input than was asked for."""
+
+MIN_IOU = 0.85
+"""Ours: below it most of what makes a silhouette recognisable is lost; half of the class pairs of MPEG-7 reach more."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +73,14 @@ def add_options(parser: Parser) -> None:
     parser.add_argument(
         "--method", choices=("exact", "laplacian"), default="exact", help="laplacian: the paper's, not exact"
     )
+    parser.add_argument(
+        "--min-iou",
+        type=_ratio,
+        default=MIN_IOU,
+        metavar="IOU",
+        help="likeness that both shapes must have: below it the exit code is 4, and the files are written all the same "
+        "(default: %(default)s)",
+    )
     parser.add_argument("--gif", action="store_true", help="film the motion as an animated GIF too")
     parser.add_argument("--mp4", action="store_true", help="film it as an MP4 too (needs the extra 'film')")
     for side, name in zip(SIDES, "AB", strict=True):
@@ -74,6 +90,7 @@ def add_options(parser: Parser) -> None:
             metavar="PICTURE",
             help=f"show {name}'s colours on the pieces, from a picture of its size ({name} itself, if it has colours)",
         )
+    parser.exit_codes = {**EXIT_CODES, POOR: "Done, but a shape is less like its input than --min-iou asks."}
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
@@ -81,12 +98,26 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     films = tuple(f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind))
     pictures = {side: path for side in SIDES if (path := getattr(chosen, f"texture_{side}"))}
     wishes = Wishes(films, chosen.rank, chosen.pins, chosen.method, pictures)
-    make(chosen.a, chosen.b, chosen.output, wishes, output)
-    return 0
+    transform = make(chosen.a, chosen.b, chosen.output, wishes, output)
+    if min(overlap_ratios(transform)) >= chosen.min_iou:
+        return DONE
+    output.complain(poor_likeness(transform, chosen.min_iou))
+    return POOR
 
 
-def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Output) -> None:
-    """Construct the transform of two silhouettes and write it to ``folder``: .riot, pictures, animation.
+def poor_likeness(transform: Transform, least: float) -> str:
+    """Say that a transform's shapes are not like its inputs, and what to do; ``least`` is the IoU that is asked for."""
+    ious = zip((transform.p.name, transform.q.name), overlap_ratios(transform), strict=True)
+    likeness = " and ".join(f"{iou:.2f} with {name}" for name, iou in ious)
+    return (
+        f"poor likeness: the IoU is {likeness}, and --min-iou asks for {least:g}. These shapes do not turn well into "
+        "each other, so that people may not recognise them. Try another trunk pair (`riot trunks A B` lists them, "
+        "--rank K takes one), or look for a better partner (`riot match A --in RUN`)"
+    )
+
+
+def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Output) -> Transform:
+    """Construct the transform of two silhouettes and write it to ``folder``: .riot, pictures, animation; returns it.
 
     Raises `riot.errors.TrunkError` if there is no trunk pair of the rank that is wished for.
     """
@@ -117,6 +148,17 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
         output.show(str(path))
         files.append(path)
     output.document({**scores, **facts, "files": files})
+    return transform
+
+
+def _ratio(text: str) -> float:
+    try:
+        ratio = float(text)
+    except ValueError:
+        ratio = math.nan
+    if not 0.0 <= ratio <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to 1")
+    return ratio
 
 
 def _history(path_a: Path, path_b: Path, parameters: ConstructParameters, wishes: Wishes) -> History:

@@ -12,6 +12,7 @@ from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.table import Table
 from riot.motion.planner import motion_of
+from riot.transform.centreline import centre_line_overlap
 from riot.transform.certificate import certify
 from riot.transform.deformation import change_ratio, measure_deformation
 from riot.transform.fidelity import bending_ratio, direction_error
@@ -31,6 +32,8 @@ ROWS = (
     ("change / least change", "change", ".3f"),
     ("bending / input's", "bending", ".3f"),
     ("directions off, degrees", "direction_error", ".2f"),
+    ("centre line kept", "centreline_recall", ".3f"),
+    ("centre line inside", "centreline_precision", ".3f"),
     ("overlap", "overlap", ".1e"),
     ("gaps", "gap", ".1e"),
     ("hinges apart", "hinge", ".1e"),
@@ -67,7 +70,7 @@ def transform_facts(transform: Transform) -> dict[str, Any]:
     for side in SIDES:
         shape, outline = getattr(transform, side), getattr(transform, f"outline_{side}")()
         iou, bound = getattr(deformation, f"iou_{side}"), getattr(transform, f"bound_{side}")
-        assembly = getattr(certificate, side)
+        assembly, lines = getattr(certificate, side), centre_line_overlap(outline, shape.points)
         inputs.append(
             {
                 "name": shape.name,
@@ -78,6 +81,8 @@ def transform_facts(transform: Transform) -> dict[str, Any]:
                 "change": change_ratio(iou, bound),
                 "bending": bending_ratio(outline, shape.points),
                 "direction_error": math.degrees(direction_error(outline, shape.points)),
+                "centreline_recall": lines.recall,
+                "centreline_precision": lines.precision,
                 "overlap": assembly.overlap,
                 "gap": assembly.gap,
                 "hinge": assembly.hinge,

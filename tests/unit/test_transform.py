@@ -216,6 +216,21 @@ def test_make_writes_transform_and_pictures(tmp_path: Path, capsys: pytest.Captu
     assert "bending / input's" in shown and "directions off, degrees" in shown
 
 
+def test_make_says_that_a_likeness_is_poor_and_keeps_the_files(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    house = draw(tmp_path / "house.png", [(40, 210), (40, 110), (120, 30), (200, 110), (200, 210)])
+    kite = draw(tmp_path / "kite.png", [(120, 20), (210, 110), (120, 225), (40, 110)])
+    make = ["make", str(house), str(kite), "-o", str(tmp_path / "out")]
+    assert main([*make, "--min-iou", "0.9999"]) == 4
+    complaint = capsys.readouterr().err
+    transform = Transform.load(tmp_path / "out" / "house--kite.riot")
+    assert f"{transform.overlap_ratios[0]:.2f} with house" in complaint and "riot match" in complaint
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(f"house--kite{end}" for end in MADE)
+    assert main([*make, "--min-iou", "1.5"]) == 2
+    assert "'1.5' is not a number from 0 to 1" in capsys.readouterr().err
+
+
 def test_commands_tell_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = tmp_path / "text.png"
     text.write_text("no picture")
