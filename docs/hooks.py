@@ -16,6 +16,7 @@ from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from notebook_page import notebook_page
 
 import pipeline.tables.measures
 from pipeline import study
@@ -31,12 +32,15 @@ from riot.draw import animate_svg, draw_strip
 
 ROOT = Path(__file__).resolve().parents[1]
 HELP_WIDTH = 80
+NOTEBOOK = "tutorial/notebook"
+"""Of the guide: a page without suffix, in the repository without outputs."""
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the pictures, which pages name as ``pictures/…``, and the page for contributors."""
+    """Add the pictures, which pages name as ``pictures/…``, the notebook as a page, and the page for contributors."""
     for name, text in _pictures():
         files.append(File.generated(config, f"pictures/{name}", content=text))
+    files.append(File.generated(config, f"{NOTEBOOK}.md", content=notebook_page(ROOT / "docs" / f"{NOTEBOOK}.ipynb")))
     contributing = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").replace("](docs/", "](")
     files.append(File.generated(config, "contributing.md", content=contributing))
     return files
@@ -48,7 +52,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
         marker = f"<!-- {name} -->"
         if marker in markdown:
             markdown = markdown.replace(marker, "\n".join(lines()))
-    return markdown
+    return markdown.replace(f"{NOTEBOOK}.ipynb", f"{NOTEBOOK}.md")
 
 
 def _pictures() -> Iterator[tuple[str, str]]:

@@ -16,6 +16,7 @@ from . import units as units
 from .construction.pins import Pins as Pins
 from .construction.pins import load_pins as load_pins
 from .construction.trunk_choice import alternatives as alternatives
+from .draw.result_table import to_frame as to_frame
 from .errors import ConstructionError as ConstructionError
 from .errors import FormatError as FormatError
 from .errors import RiotError as RiotError
@@ -23,12 +24,12 @@ from .errors import SilhouetteError as SilhouetteError
 from .errors import TrunkError as TrunkError
 from .methods import Shape as Shape
 from .methods import Transform as Transform
+from .methods import Trunks as Trunks
 from .methods import construct as construct
+from .methods import trunks as trunks
 from .scores.crs import CrossScore as CrossScore
 from .scores.crs import crs as crs
 from .scores.qcrs import QuickScore as QuickScore
 from .scores.qcrs import qcrs as qcrs
 from .scores.reversibility import Reversibility as Reversibility
 from .scores.reversibility import reversibility as reversibility
-from .scores.trunks import Trunks as Trunks
-from .scores.trunks import trunks as trunks

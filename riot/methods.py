@@ -8,24 +8,30 @@ in subclasses for the sake of type checkers, and attached to the classes of the 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, ParamSpec, Protocol, TypeVar, cast
 
 import numpy.typing as npt
 from PIL.Image import Image
 
 from riot import draw, geometry
-from riot.construction import trunk_choice
+from riot.construction import plan, trunk_choice
 from riot.content import count
 from riot.geometry import shape as shape_module
 from riot.motion import planner
 from riot.parameters import ShapeParameters
+from riot.scores import trunks as trunks_module
+from riot.scores.crs import CrossScore
+from riot.scores.qcrs import QuickScore
+from riot.scores.reversibility import Reversibility
 from riot.transform import certificate, deformation, riot_file
 from riot.transform import transform as transform_module
 from riot.transform.motion import Motion
 
 Class = TypeVar("Class", bound=type)
 Parameters = ParamSpec("Parameters")
+Result = TypeVar("Result")
 
 
 class SupportsGeoInterface(Protocol):
@@ -114,6 +120,12 @@ class Shape(shape_module.Shape):
         ring = geometry.geojson.read_outer_ring(polygon, name or "the polygon")
         return cast(Shape, geometry.silhouette.polygon_shape(ring.points, name or ring.name, parameters))
 
+    def _repr_svg_(self) -> str:
+        return draw.notebook.shape_svg(self)
+
+    def _repr_html_(self) -> str:
+        return draw.notebook.shape_html(self)
+
     @property
     def __geo_interface__(self) -> dict[str, Any]:
         """The outline, in the unit-area frame, as a GeoJSON feature with the shape's name; `source` maps points back.
@@ -126,6 +138,51 @@ class Shape(shape_module.Shape):
 
 
 @_attach_to_base
+class Trunks(trunks_module.Trunks):
+    """The candidate trunks of one shape; see `riot.scores.trunks.Trunks`."""
+
+    def on(self, shape: Shape, numbers: Sequence[int] | None = None) -> TrunksOnShape:
+        """A picture, for notebooks, of trunks on the shape that has them: of a dozen, evenly chosen, or of ``numbers``.
+
+        >>> trunks(house).on(house, [0, 1])
+        TrunksOnShape(trunks=Trunks(1455 trunks, 3 to 5 vertices), shape=Shape('house', 160 points), numbers=(0, 1))
+        """
+        chosen = draw.notebook.evenly(len(self)) if numbers is None else numbers
+        return TrunksOnShape(self, shape, tuple(chosen))
+
+    def _repr_html_(self) -> str:
+        return draw.result_table.table_html(self)
+
+
+@dataclass(frozen=True)
+class TrunksOnShape:
+    """Trunks with their shape, which a notebook shows as a picture; see `Trunks.on`."""
+
+    trunks: Trunks
+    shape: Shape
+    numbers: tuple[int, ...]
+
+    def _repr_html_(self) -> str:
+        return draw.notebook.trunks_html(self.shape, self.trunks, self.numbers)
+
+
+@_attach_to_base
+class ConstructionPlan(plan.ConstructionPlan):
+    """Conjugate trunks of two shapes; see `riot.construction.plan.ConstructionPlan`."""
+
+    def __repr__(self) -> str:
+        names = f"{self.pair.p.name!r} ⇄ {self.pair.q.name!r}"
+        return f"ConstructionPlan({names}, {len(self.trunk_p)} vertices, IoU ≤ {self.bound:.3f})"
+
+    def _repr_html_(self) -> str:
+        return draw.notebook.plan_html(self)
+
+
+for _result in (Reversibility, QuickScore, CrossScore, certificate.Certificate, deformation.Deformation):
+    setattr(_result, "_repr_html_", lambda self: draw.result_table.table_html(self))  # noqa: B010 (mypy knows none)
+
+
+@_attach_to_base
 class Transform(transform_module.Transform):
     """An exact reversible transform; see `riot.transform.transform.Transform`."""
 
@@ -134,6 +191,9 @@ class Transform(transform_module.Transform):
         words = "exact" if self.certificate().passed else "approximate"
         names = f"{self.p.name!r} ⇄ {self.q.name!r}"
         return f"Transform({names}, {count(len(self), 'piece')}, IoU {min(self.overlap_ratios):.3f}, {words})"
+
+    def _repr_html_(self) -> str:
+        return draw.notebook.transform_html(self, repr(self).removeprefix("Transform(").removesuffix(")"))
 
     @property
     def __geo_interface__(self) -> dict[str, Any]:
@@ -217,9 +277,10 @@ class Transform(transform_module.Transform):
         return cast(Transform, riot_file.load(path))
 
 
-def _with_methods(function: Callable[Parameters, transform_module.Transform]) -> Callable[Parameters, Transform]:
-    """The function itself, for type checkers one whose transform has the methods."""
-    return cast(Callable[Parameters, Transform], function)
+def _returning(function: Callable[Parameters, object], result: type[Result]) -> Callable[Parameters, Result]:
+    """The function itself, for type checkers one whose result has the methods."""
+    return cast(Callable[Parameters, Result], function)
 
 
-construct = _with_methods(trunk_choice.construct)
+construct = _returning(trunk_choice.construct, Transform)
+trunks = _returning(trunks_module.trunks, Trunks)

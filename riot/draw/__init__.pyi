@@ -4,11 +4,13 @@ from . import figure as figure
 from . import files as files
 from . import film as film
 from . import keyframes as keyframes
+from . import notebook as notebook
 from . import palette as palette
 from . import panels as panels
 from . import pdf as pdf
 from . import piece_image as piece_image
 from . import raster as raster
+from . import result_table as result_table
 from . import scene as scene
 from . import solid as solid
 from . import strip as strip

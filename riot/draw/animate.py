@@ -92,6 +92,27 @@ def _loop(there: list[str]) -> str:
     return ";".join([*rest, *there, *there[-1:] * PAUSE_FRAMES, *there[-2:0:-1], *rest])
 
 
+def loop_times(transform: Transform) -> dict[str, float]:
+    """When the loop of `swing_of` leaves P (``start``), reaches Q (``end``) and is over (``duration``), in seconds.
+
+    ``mirror`` less a time is the time on the way back at which the pieces lie as at that time.
+
+    >>> times = loop_times(transform)
+    >>> 0.0 < times["start"] < times["end"] < times["duration"] / 2 < times["mirror"] / 2
+    True
+    """
+    frames = frame_count(motion_of(transform))
+    duration = loop_seconds(frames)
+    rest = PAUSE_FRAMES // 2
+    step = duration / (len(_loop([""] * (frames + 1)).split(";")) - 1)
+    return {
+        "start": rest * step,
+        "end": (rest + frames) * step,
+        "mirror": 2 * (rest + frames + rest) * step,
+        "duration": duration,
+    }
+
+
 def _animation(kind: str, values: str, seconds: float) -> str:
     return (
         f'<animateTransform attributeName="transform" type="{kind}" dur="{seconds:.4g}s" '

@@ -10,6 +10,7 @@ from riot.draw.palette import hue
 from riot.draw.scene import Dot, Line, Mark, PlacedPiece, Region
 from riot.draw.tuning import SKETCH_TOLERANCE
 from riot.geometry.polyline import simplify, simplify_open
+from riot.geometry.shape import Shape
 from riot.transform.pose import Pose, direction
 from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray
@@ -36,13 +37,31 @@ def input_marks(transform: Transform, side: str) -> list[Mark]:
     >>> [type(mark).__name__ for mark in input_marks(transform, "p")][:3]
     ['Region', 'Region', 'Line']
     """
-    outline, trunk = _input(transform, side)
-    n = len(transform)
+    return outline_with_trunk(*_input(transform, side))
+
+
+def outline_with_trunk(outline: FloatArray, trunk: FloatArray) -> list[Mark]:
+    """An outline, (m, 2), filled, with a trunk, (n, 2), whose edges have the colours of the pieces in order.
+
+    >>> [mark.pen for mark in outline_with_trunk(house.points, house.points[:3])][:3]
+    ['silhouette', 'casing', 'edge0']
+    """
+    n = len(trunk)
     edges = [np.array([trunk[j], trunk[(j + 1) % n]]) for j in range(n)]
     marks: list[Mark] = [Region((outline,), "silhouette"), Region((trunk,), "casing")]
     marks += [Line(edge, f"edge{hue(j, n)}") for j, edge in enumerate(edges)]
     marks += [Dot(float(x), float(y), "hinge") for x, y in trunk]
     return marks
+
+
+def thin_outline(shape: Shape) -> FloatArray:
+    """The outline of a shape with the detail that no picture shows left out.
+
+    >>> len(thin_outline(house))  # its corners
+    5
+    """
+    kept = simplify(shape.points, SKETCH_TOLERANCE)
+    return shape.points[kept] if len(kept) > 2 else shape.points
 
 
 def deformation_marks(transform: Transform, side: str) -> list[Mark]:
@@ -107,8 +126,7 @@ def chain_marks(transform: Transform, open_hinge: int = 0) -> list[Mark]:
 def _input(transform: Transform, side: str) -> tuple[FloatArray, FloatArray]:
     shape = transform.p if side == "p" else transform.q
     trunk = transform.trunk_p if side == "p" else transform.trunk_q
-    kept = simplify(shape.points, SKETCH_TOLERANCE)
-    return (shape.points[kept] if len(kept) > 2 else shape.points), trunk
+    return thin_outline(shape), trunk
 
 
 def _thin(arc: FloatArray, tolerance: float) -> FloatArray:

@@ -45,8 +45,12 @@ def escape(text: str) -> str:
     return html.escape(text.translate(_FORBIDDEN), quote=True)
 
 
-def document(scene: Scene, width: int = 960, scheme: Mapping[str, str] = LIGHT, codec: str = "JPEG") -> str:
+def document(
+    scene: Scene, width: int = 960, scheme: Mapping[str, str] = LIGHT, codec: str = "JPEG", background: bool = True
+) -> str:
     """The scene as a whole SVG file, ``width`` pixels wide at its natural size, its textures as JPEG or PNG.
+
+    Without ``background`` the page shows around the marks.
 
     >>> from riot.groundtruth.pairs import dudeney, exact_transform
     >>> from riot.draw.figure import figure_scene
@@ -54,14 +58,21 @@ def document(scene: Scene, width: int = 960, scheme: Mapping[str, str] = LIGHT, 
     '<svg'
     """
     prefix = naming(scene.pieces, scene.images)
-    return f"{opening(scene, prefix, width, scheme, codec=codec)}{painted(scene, prefix)}{CLOSING}"
+    begin = opening(scene, prefix, width, scheme, codec=codec, background=background)
+    return f"{begin}{painted(scene, prefix)}{CLOSING}"
 
 
 def whole(
-    scene: Scene, body: str, prefix: str, width: int = 960, scheme: Mapping[str, str] = LIGHT, style: str = ""
+    scene: Scene,
+    body: str,
+    prefix: str,
+    width: int = 960,
+    scheme: Mapping[str, str] = LIGHT,
+    style: str = "",
+    background: bool = True,
 ) -> str:
     """An SVG file of a scene's frame, style and pieces around a body that is already SVG."""
-    return f"{opening(scene, prefix, width, scheme, style)}{body}{CLOSING}"
+    return f"{opening(scene, prefix, width, scheme, style, background=background)}{body}{CLOSING}"
 
 
 CLOSING = "</svg>\n"
@@ -75,17 +86,18 @@ def opening(
     scheme: Mapping[str, str] = LIGHT,
     style: str = "",
     codec: str = "JPEG",
+    background: bool = True,
 ) -> str:
     """What an SVG file has before its body: all pictures of one box and the same pieces begin with the same text."""
     x0, y0, x1, y1 = scene.box
     height = round(width * (y1 - y0) / (x1 - x0))
     left, top, wide, high = _view(scene)
+    paper = f'<rect x="{left}" y="{top}" width="{wide}" height="{high}" fill="{scheme["paper"]}"/>'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{left} {top} {wide} {high}" width="{width}" '
         f'height="{height}" role="img"><title>{escape(scene.title)}</title>'
         f"<style>{file_style(scene.pen * UNITS, scheme)}{style}</style>"
-        f'<rect x="{left}" y="{top}" width="{wide}" height="{high}" fill="{scheme["paper"]}"/>'
-        f"{definitions(scene.pieces, prefix, scene.images, codec)}"
+        f"{paper if background else ''}{definitions(scene.pieces, prefix, scene.images, codec)}"
     )
 
 

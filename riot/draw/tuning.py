@@ -36,6 +36,23 @@ STRIP_PENS = 1280.0
 STRIP_POSES = 7
 """Poses in a strip."""
 
+# Notebooks
+
+NOTEBOOK_SCALE = 160.0
+"""Pixels of a unit in a notebook's pictures: a disc of unit area is 180 pixels wide."""
+
+NOTEBOOK_PIXELS = 400.0
+"""Pixels: greatest height of a notebook's picture, half of its greatest width."""
+
+GRID_TRUNKS = 12
+"""Trunks that a notebook shows at once, unless it is told which."""
+
+GRID_SCALE = 90.0
+"""Pixels of a unit in their picture."""
+
+GRID_COLUMNS = 6
+"""Of them in a row."""
+
 # Motion
 
 MOTION_PENS = 520.0

@@ -1,6 +1,8 @@
 """What the guide shows works as it stands there, in the order of its pages; and the guide can be built."""
 
 import contextlib
+import importlib.util
+import json
 import re
 import shlex
 
@@ -17,6 +19,16 @@ from pipeline.study.registry import STUDIES
 from pipeline.tables.schemas import SCHEMAS
 
 DOCS = ROOT / "docs"
+
+
+def load_notebook_page():
+    """The module of the guide that runs its notebook."""
+    spec = importlib.util.spec_from_file_location("notebook_page", DOCS / "notebook_page.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 TUTORIAL = ("index.md", "tutorial/two-pictures.md", "tutorial/collection.md", "tutorial/puzzle.md")
 HOW_TO = tuple(
     f"howto/{name}.md" for name in ("mine", "tables", "match", "shape", "print", "slices", "sweeps", "studies")
@@ -94,7 +106,8 @@ def test_pages_with_blocks_to_run_are_run_but_for_clusters():
 
 def test_every_page_is_listed_once():
     listed = re.findall(r": ([\w/-]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    assert sorted(listed) == sorted(["contributing.md", *(str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md"))])
+    generated = ["contributing.md", "tutorial/notebook.md"]
+    assert sorted(listed) == sorted([*generated, *(str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md"))])
 
 
 @pytest.mark.parametrize("path", ["README.md", *(f"docs/{page}" for page in (*PAGES, "howto/cluster.md"))])
@@ -142,7 +155,12 @@ def site(tmp_path_factory):
 @pytest.mark.system
 def test_the_guide_can_be_built_and_needs_no_network(site):
     pages = {str(path.relative_to(DOCS).with_suffix(".html")) for path in DOCS.rglob("*.md")}
-    assert {str(path.relative_to(site)) for path in site.rglob("*.html")} == {*pages, "404.html", "contributing.html"}
+    assert {str(path.relative_to(site)) for path in site.rglob("*.html")} == {
+        *pages,
+        "404.html",
+        "contributing.html",
+        "tutorial/notebook.html",
+    }
     for path in site.rglob("*.html"):
         loaded = re.findall(
             r'<(?:script|img)[^>]+src="(?:https?:)?//|<link[^>]+href="(?:https?:)?//', path.read_text(encoding="utf-8")
@@ -151,7 +169,26 @@ def test_the_guide_can_be_built_and_needs_no_network(site):
     for name in ("strip.svg", "swing.svg", "figure.svg"):
         assert (site / "pictures" / name).read_text(encoding="utf-8").startswith("<svg")
     assert "<animateTransform" in (site / "pictures" / "swing.svg").read_text(encoding="utf-8")
-    assert not list(site.rglob("hooks*"))
+    assert not list(site.rglob("hooks*")) + list(site.rglob("notebook_page*"))
+
+
+@pytest.mark.system
+def test_the_notebook_runs_and_shows_what_it_tells_of(tmp_path):
+    pytest.importorskip("ipykernel")
+    notebook = load_notebook_page().run_notebook(DOCS / "tutorial" / "notebook.ipynb", tmp_path)
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    pages = [output.data["text/html"] for output in outputs if "text/html" in output.get("data", {})]
+    assert len([page for page in pages if "<figure" in page]) >= 6
+    assert len([page for page in pages if "<script>" in page]) >= 2  # transforms that swing
+    assert len([page for page in pages if "<table" in page]) >= 6
+    assert list((tmp_path / "puzzle").glob("*.stl")) and (tmp_path / "outputs" / "sample" / "run.json").is_file()
+
+
+def test_the_notebook_is_kept_without_outputs():
+    notebook = json.loads((DOCS / "tutorial" / "notebook.ipynb").read_text(encoding="utf-8"))
+    code = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    assert len(code) > 10
+    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
 
 
 def shown_in(site, page):
