@@ -52,7 +52,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
         marker = f"<!-- {name} -->"
         if marker in markdown:
             markdown = markdown.replace(marker, "\n".join(lines()))
-    return markdown.replace(f"{NOTEBOOK}.ipynb", f"{NOTEBOOK}.md")
+    return markdown.replace(f"{NOTEBOOK}.ipynb)", f"{NOTEBOOK}.md)")
 
 
 def _pictures() -> Iterator[tuple[str, str]]:

@@ -15,6 +15,9 @@ from nbclient import NotebookClient
 SECONDS = 600
 """Longest time of a cell: the first use of a kernel compiles it."""
 
+FRAME = '<table border="1" class="dataframe">'
+"""How a table of pandas begins; the guide has its own style for tables."""
+
 
 def run_notebook(path: Path, folder: Path) -> Any:
     """The notebook with its outputs, run in ``folder``, its commands those of this Python's environment.
@@ -44,6 +47,6 @@ def _cell(cell: Any) -> Iterator[str]:
         data = output.get("data", {})
         text = output.get("text", data.get("text/plain", ""))
         if "text/html" in data:
-            yield f'<div class="riot-output">\n{data["text/html"]}\n</div>'
+            yield f"<div>\n{data['text/html'].replace(FRAME, '<table>')}\n</div>"
         elif text and output.get("name") != "stderr":
             yield f"```text\n{text.rstrip()}\n```"

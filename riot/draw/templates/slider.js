@@ -20,7 +20,7 @@
   bar.style.cssText = "display:flex;gap:.5em;align-items:center";
   const button = document.createElement("button");
   button.type = "button";
-  button.style.cssText = "font:inherit;color:inherit;background:none;border:0;padding:0 .3em;cursor:pointer;min-width:2em";
+  button.style.cssText = "font:inherit;color:inherit;background:none;border:0;padding:0 .3em;cursor:pointer;width:4em";
   const slider = document.createElement("input");
   slider.type = "range";
   slider.min = 0;
@@ -34,8 +34,7 @@
   let plays = false;
   function play(wanted) {
     plays = wanted;
-    button.textContent = plays ? "\u23f8" : "\u25b6";
-    button.setAttribute("aria-label", plays ? "pause" : "play");
+    button.textContent = plays ? "pause" : "play";
     if (plays) {
       picture.unpauseAnimations();
       window.requestAnimationFrame(follow);
