@@ -115,7 +115,7 @@ class Shape(shape_module.Shape):
         4.899
         >>> import shapely
         >>> Shape.from_polygon(shapely.box(0, 0, 9, 1), name="bar")
-        Shape('bar', 56 points)
+        Shape('bar', 288 points)
         """
         ring = geometry.geojson.read_outer_ring(polygon, name or "the polygon")
         return cast(Shape, geometry.silhouette.polygon_shape(ring.points, name or ring.name, parameters))

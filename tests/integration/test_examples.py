@@ -15,6 +15,9 @@ from fenced import ROOT
 import riot
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+SPECIAL = "__geo_interface__"
+"""A property that other libraries read."""
+
 MODULES = sorted(
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
     for package in ("riot", "pipeline")
@@ -37,10 +40,10 @@ def offered() -> Iterator[tuple[str, Callable[..., Any]]]:
         value = getattr(riot, name)
         if inspect.isfunction(value):
             yield name, value
-        elif value in (riot.Shape, riot.Transform):
+        elif value in (riot.Shape, riot.Transform, riot.Trunks):
             for method, member in vars(value).items():
-                function = getattr(member, "__func__", member)
-                if inspect.isfunction(function) and not method.startswith("_"):
+                function = member.fget if method == SPECIAL else getattr(member, "__func__", member)
+                if inspect.isfunction(function) and (method == SPECIAL or not method.startswith("_")):
                     yield f"{name}.{method}", function
 
 
