@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 from riot.cli.parser import Parser
@@ -17,9 +18,26 @@ def add_inputs(parser: Parser) -> None:
     parser.add_argument("b", type=Path, metavar="B", help="another one")
 
 
+def add_pieces(parser: Parser) -> None:
+    """Add the option ``--pieces`` to a command: `riot.construction.trunk_choice.PieceCounts`."""
+    parser.add_argument(
+        "--pieces", type=_counts, metavar="N[..M]", help="number of pieces, such as 4 or 3..5 (default: any)"
+    )
+
+
 def read_inputs(path_a: Path, path_b: Path) -> tuple[Shape, Shape]:
     """The two shapes, named so that they can be told apart; raises `riot.errors.SilhouetteError`, OSError."""
     return _named(path_a, path_b), _named(path_b, path_a)
+
+
+def _counts(text: str) -> tuple[int, int]:
+    least, dots, most = text.partition("..")
+    if not (least.isdecimal() and (most.isdecimal() or not dots)):
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor a range such as 4..6")
+    counts = int(least), int(most or least)
+    if not 3 <= counts[0] <= counts[1]:
+        raise argparse.ArgumentTypeError(f"{text!r} is no range of numbers of pieces: there are 3 or more")
+    return counts
 
 
 def _named(path: Path, other: Path) -> Shape:

@@ -10,14 +10,14 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from riot.cli.inputs import add_inputs, read_inputs
+from riot.cli.inputs import add_inputs, add_pieces, read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import DONE, EXIT_CODES, Parser
 from riot.cli.show import transform_facts, transform_lines
 from riot.construction.pins import load_pins
 from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_transform import construct_plan
-from riot.construction.trunk_choice import alternatives, construct
+from riot.construction.trunk_choice import PieceCounts, alternatives, construct
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.animate import animate_svg
 from riot.draw.figure import draw_transform
@@ -60,6 +60,7 @@ class Wishes:
     rank: int | None = None
     pins: Path | None = None
     method: Literal["exact", "laplacian"] = "exact"
+    pieces: PieceCounts | None = None
     pictures: Mapping[Side, Path] | None = None
     """Colour pictures of P and Q, of the same size as the inputs: what the pieces show."""
 
@@ -69,6 +70,7 @@ def add_options(parser: Parser) -> None:
     add_inputs(parser)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="where results go")
     parser.add_argument("--rank", type=int, metavar="K", help="use the trunk pair of this rank of `riot trunks`")
+    add_pieces(parser)
     parser.add_argument("--pins", type=Path, metavar="FILE", help="keep or redraw stretches of the outlines (JSON)")
     parser.add_argument(
         "--method", choices=("exact", "laplacian"), default="exact", help="laplacian: the paper's, not exact"
@@ -97,7 +99,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     films = tuple(f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind))
     pictures = {side: path for side in SIDES if (path := getattr(chosen, f"texture_{side}"))}
-    wishes = Wishes(films, chosen.rank, chosen.pins, chosen.method, pictures)
+    wishes = Wishes(films, chosen.rank, chosen.pins, chosen.method, chosen.pieces, pictures)
     transform = make(chosen.a, chosen.b, chosen.output, wishes, output)
     if min(overlap_ratios(transform)) >= chosen.min_iou:
         return DONE
@@ -134,9 +136,9 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
     output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
     parameters = ConstructParameters(method=wishes.method)
     if wishes.rank is None:
-        transform = construct(a, b, parameters=parameters, pins=pins)
+        transform = construct(a, b, parameters=parameters, pins=pins, pieces=wishes.pieces)
     else:
-        transform = construct_plan(_ranked(alternatives(a, b), wishes.rank), parameters, pins)
+        transform = construct_plan(_ranked(alternatives(a, b, pieces=wishes.pieces), wishes.rank), parameters, pins)
     if certify(transform).passed:
         transform = with_motion(transform)
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
@@ -168,7 +170,7 @@ def _history(path_a: Path, path_b: Path, parameters: ConstructParameters, wishes
         "trunks": asdict(TrunkParameters()),
         "crs": asdict(CrsParameters()),
         "refine": asdict(RefineParameters()),
-        "construct": {**asdict(parameters), "rank": wishes.rank, "pins": pins},
+        "construct": {**asdict(parameters), "rank": wishes.rank, "pins": pins, "pieces": wishes.pieces},
         "motion": asdict(MotionParameters()),
     }
     return record_history("riot make", (path_a, path_b), steps)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from riot.cli.inputs import add_inputs, read_inputs
+from riot.cli.inputs import add_inputs, add_pieces, read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.table import Table
@@ -15,6 +15,7 @@ from riot.kernels.warm import warm_all
 def add_options(parser: Parser) -> None:
     """See `riot.cli.command.CommandModule`."""
     add_inputs(parser)
+    add_pieces(parser)
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
@@ -23,7 +24,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     warm_all(output.note)
     pairs = [
         {"rank": rank, "pieces": len(plan.trunk_p), "bound_p": plan.bound_p, "bound_q": plan.bound_q}
-        for rank, plan in enumerate(alternatives(a, b), start=1)
+        for rank, plan in enumerate(alternatives(a, b, pieces=chosen.pieces), start=1)
     ]
     table = Table(
         ("rank", "pieces", f"IoU {a.name} ≤", f"IoU {b.name} ≤"),

@@ -23,6 +23,9 @@ from riot.transform.transform import Transform
 PlansAndFailures = tuple[list[ConstructionPlan], list[ConstructionError]]
 """Plans, the one of highest bound first, and why the other trunk pairs gave none."""
 
+PieceCounts = tuple[int, int]
+"""Least and greatest number of pieces, which is the number of vertices of either trunk."""
+
 
 def construct(
     a: Shape,
@@ -31,6 +34,7 @@ def construct(
     parameters: ConstructParameters | None = None,
     refinement: RefineParameters | None = None,
     pins: Pins | None = None,
+    pieces: PieceCounts | None = None,
 ) -> Transform:
     """Construct an exact transform of a into b.
 
@@ -48,6 +52,8 @@ def construct(
         Of the trunks, found or given; with ``sketched=0, refined=0`` they are only made conjugate.
     pins : Pins, optional
         Sections of either outline to keep, or drawn anew (exact method).
+    pieces : two int, optional
+        Least and greatest number of pieces; any number by default. Given trunks have theirs.
 
     Raises
     ------
@@ -73,12 +79,16 @@ def construct(
         # Refined trunks may lose contact that the given ones have.
         plans = sorted({*refine_best(plans, refinement), *plans}, key=lambda plan: -plan.bound)
         return construct_plans(plans, unplanned, parameters, pins)
-    plans, unplanned = find_plans(a, b, refinement)
+    plans, unplanned = find_plans(a, b, refinement, pieces)
     return construct_plans(plans, unplanned, parameters, pins)
 
 
-def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None) -> list[ConstructionPlan]:
+def alternatives(
+    a: Shape, b: Shape, refinement: RefineParameters | None = None, pieces: PieceCounts | None = None
+) -> list[ConstructionPlan]:
     """Find the refined trunk pairs of two shapes, the one that allows the least deformation first (ours).
+
+    ``pieces`` as in `construct`.
 
     `construct_plan` makes the transform of one of them, and `riot.construction.dissected_plan.dissect_plan` keeps the
     partitions, so that pins can change. Raises TrunkError if the shapes have no trunk pair that can be made conjugate.
@@ -90,23 +100,29 @@ def alternatives(a: Shape, b: Shape, refinement: RefineParameters | None = None)
     >>> plans[0].bound == max(plan.bound for plan in plans)
     True
     """
-    plans, unplanned = find_plans(a, b, refinement or RefineParameters())
+    plans, unplanned = find_plans(a, b, refinement or RefineParameters(), pieces)
     if not plans:
         raise TrunkError(f"no trunk pair of {a.name or 'P'} and {b.name or 'Q'} will do: {unplanned[0]}")
     return plans
 
 
-def find_plans(a: Shape, b: Shape, refinement: RefineParameters) -> PlansAndFailures:
-    """Refine the trunk pairs of highest CRS (ours). Raises TrunkError if the shapes have no trunks that correspond."""
+def find_plans(a: Shape, b: Shape, refinement: RefineParameters, pieces: PieceCounts | None = None) -> PlansAndFailures:
+    """Refine the trunk pairs of highest CRS (ours); ``pieces`` as in `construct`.
+
+    Raises TrunkError if the shapes have no trunks that correspond.
+    """
     full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
     for shape, trunks in ((a, full_a), (b, full_b)):
         if len(trunks) == 0:
             raise TrunkError(
                 f"{shape.name or 'the shape'} has no trunk: no convex polygon inscribed in it passes all tests"
             )
+    if pieces is not None:
+        full_a, full_b = full_a.of_sizes(*pieces), full_b.of_sizes(*pieces)
     scores = best_trunk_pairs(a, b, full_a, full_b, CrsParameters(), refinement.candidates)
     if not scores:
-        raise TrunkError(f"{a.name or 'P'} and {b.name or 'Q'} have no trunks with the same number of vertices")
+        number = "the same number of" if pieces is None else f"the same number of {pieces[0]} to {pieces[1]}"
+        raise TrunkError(f"{a.name or 'P'} and {b.name or 'Q'} have no trunks with {number} vertices")
     return refine_scored(a, b, scores, refinement)
 
 

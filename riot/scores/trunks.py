@@ -84,6 +84,18 @@ class Trunks(ByContent):
         """
         return self.vertices[self.offsets[trunk] : self.offsets[trunk + 1]].astype(np.int64)
 
+    def of_sizes(self, least: int, most: int) -> Trunks:
+        """The trunks with ``least`` to ``most`` vertices, in the same order.
+
+        >>> candidates = trunks(house)
+        >>> set(candidates.of_sizes(4, 5).sizes.tolist()) <= {4, 5}
+        True
+        """
+        kept = (self.sizes >= least) & (self.sizes <= most)
+        of_kept = np.repeat(kept, self.sizes)
+        arrays = {name: getattr(self, name)[of_kept] for name in ("vertices", "edges", "alphas", "thetas")}
+        return Trunks(offsets=running(self.sizes[kept]), areas=self.areas[kept], **arrays)
+
     def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """Plain arrays by field name.
 

@@ -19,10 +19,12 @@ from riot.construction.partition import label_cells
 from riot.construction.plan import TrunkPair, plan_pair
 from riot.construction.plan_transform import construct_plan
 from riot.construction.tree import cell_paths, dissection_tree
+from riot.construction.trunk_choice import alternatives
 from riot.geometry.polyline import edge_lengths
 from riot.groundtruth.pairs import dudeney, exact_pair
-from riot.parameters import ConstructParameters, RefineParameters
+from riot.parameters import ConstructParameters, RefineParameters, TrunkParameters
 from riot.scores.crs import best_trunk_pairs
+from riot.scores.trunks import full_trunks
 from riot.types import FloatArray
 
 SEEDS = st.integers(0, 10_000)
@@ -229,6 +231,20 @@ def test_wrong_trunks_are_refused_with_a_reason(change: object, words: str) -> N
     trunks = change(p.from_source(pair.trunk_p), q.from_source(pair.trunk_q))  # type: ignore[operator]
     with pytest.raises(TrunkError, match=words):
         construct(p, q, trunks)
+
+
+@pytest.mark.parametrize("pieces", [(3, 3), (4, 5)])
+def test_the_number_of_pieces_can_be_chosen(pieces: tuple[int, int]) -> None:
+    p, q = blob(1), blob(2)
+    plans = alternatives(p, q, pieces=pieces)
+    assert {len(plan.trunk_p) for plan in plans} <= set(range(pieces[0], pieces[1] + 1))
+    assert pieces[0] <= len(construct(p, q, pieces=pieces)) <= pieces[1]
+    candidates = full_trunks(p, TrunkParameters())
+    kept = candidates.of_sizes(*pieces)
+    expected = [t for t in range(len(candidates)) if pieces[0] <= candidates.sizes[t] <= pieces[1]]
+    assert [kept.of(k).tolist() for k in range(len(kept))] == [candidates.of(t).tolist() for t in expected]
+    with pytest.raises(TrunkError, match="same number of 30 to 31 vertices"):
+        construct(p, q, pieces=(30, 31))
 
 
 def test_shape_without_trunks_is_refused_with_its_name() -> None:

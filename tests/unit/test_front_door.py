@@ -105,6 +105,7 @@ def test_the_help_of_a_study_lists_its_parameters_and_exit_codes(
         (("mine", "mpeg7"), "mpeg7: no name=value. Did you mean +dataset=mpeg7?"),
         (("mine", "selct.top=3"), "Did you mean select.top?"),
         (("study", "quiz", "pears=4"), "Did you mean pairs?"),
+        (("trunks", "a.png", "b.png", "--pieces", "5..4"), "'5..4' is no range of numbers of pieces"),
         (("make", "a.png"), "riot make: the following arguments are required: -o/--output"),
         (("match", "a.png", "--in", "x", "--top", "0"), "argument --top: '0' is not a whole number above 0"),
     ],
