@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ from pipeline.tables.outputs import run_folder, swept
 from pipeline.tables.record import GALLERY, RECORD, REPORT, is_up_to_date, outcome_digest, write_record
 from pipeline.tables.results import Results
 from riot import kernels
+from riot.errors import MissingExtraError, needs_extra
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,7 @@ def run_pipeline(config: Config, listen: Listener) -> RunOutcome:
     """
     collection = collect(config.dataset)
     check_writable(run_folder(config), "outputs")
+    _check_extras(config)
     unwritable = _unwritable(config.store)
     # `pipeline.cache gc` must not delete artifacts that no finished run lists yet.
     with open_files(config.store).shared(), swept(run_folder(config)):
@@ -76,6 +79,16 @@ def run_pipeline(config: Config, listen: Listener) -> RunOutcome:
         except OSError as error:  # such as a full disk; what is in the store stays
             mend = "free space, or make it writable, and " if isinstance(error, StorageError) else ""
             raise StopError(f"{error}; {mend}give the same command again: it goes on from here") from error
+
+
+def _check_extras(config: Config) -> None:
+    """Raise `StartError` if a stage needs a package that is not installed: else each of its work items would fail."""
+    if config.fabricate.top:
+        try:
+            with needs_extra("print"):
+                importlib.import_module("manifold3d")
+        except MissingExtraError as error:
+            raise StartError(f"fabricate.top={config.fabricate.top}: {error}") from error
 
 
 def _unwritable(store: Location) -> StartError | None:

@@ -73,7 +73,7 @@ RIOT: Group = Group(
         "cache": CACHE,
         "fetch": FETCH,
         **COMMANDS,
-        "slices": Command(COMMANDS["slices"].summary, lambda: cli.slices),
+        "slices": Command(COMMANDS["slices"].summary, lambda: cli.slices, "mine"),
         "completion": Command(
             "print a script that completes commands in a shell", lambda: library.completion.CompletionCommand(RIOT)
         ),

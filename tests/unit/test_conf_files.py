@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from omegaconf import OmegaConf
 
 from pipeline.config.command_line import check_command, complete
 from pipeline.config.conf_files import CONF, group_choices, parameter_groups, plain_defaults
-from pipeline.config.schema import Config
+from pipeline.config.schema import Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 
 FILES = sorted(CONF.rglob("*.yaml"))
@@ -28,11 +29,17 @@ def written(path: Path) -> dict[str, Any]:
 
 @pytest.mark.parametrize("path", FILES, ids=named)
 def test_every_name_is_in_the_schema_and_no_value_repeats_a_default(path: Path) -> None:
-    inside = path.parent != CONF
+    is_global = "@package _global_" in path.read_text(encoding="utf-8")
+    inside = path.parent != CONF and not is_global
     defaults = plain_defaults()[path.parent.name] if inside else plain_defaults()
     values = written(path)
     assert values.keys() <= defaults.keys()
-    assert [name for name, value in values.items() if value == defaults[name]] == []
+    own = {name: (value, defaults[name]) for name, value in values.items()}
+    for name in [name for name, (value, _) in own.items() if isinstance(value, dict)]:
+        group, group_defaults = own.pop(name)
+        assert group.keys() <= group_defaults.keys()
+        own |= {f"{name}.{inner}": (group[inner], group_defaults[inner]) for inner in group}
+    assert [name for name, (value, default) in own.items() if value == default] == []
 
 
 @pytest.mark.parametrize("path", FILES, ids=named)
@@ -40,8 +47,12 @@ def test_every_file_says_what_it_is_for(path: Path) -> None:
     assert path.read_text(encoding="utf-8").startswith("# ")
 
 
-def test_the_defaults_of_a_run_are_those_of_the_schema() -> None:
-    assert check_command(complete([])) == Config(dataset=DatasetConfig())
+def test_the_defaults_of_a_run_are_those_of_the_schema_but_for_the_selection_of_the_sample() -> None:
+    sample = check_command(complete([]))
+    assert replace(sample, select=SelectConfig()) == Config(dataset=DatasetConfig())
+    assert sample.select.top < SelectConfig().top
+    assert check_command(complete(["+dataset=folder", "dataset.root=pictures"])).select == SelectConfig()
+    assert check_command(complete(["select.top=7"])).select.top == 7
 
 
 def test_folders_are_groups_of_the_schema() -> None:

@@ -34,7 +34,7 @@ def test_every_cluster_has_a_file(kind: str) -> None:
 
 @pytest.mark.parametrize("policy", ["paper", "global"])
 def test_every_policy_has_a_file(policy: str) -> None:
-    assert check(f"select={policy}").select == SelectConfig(policy=policy)  # type: ignore[arg-type]
+    assert check("+dataset=folder", "dataset.root=pictures", f"select={policy}").select == SelectConfig(policy=policy)  # type: ignore[arg-type]
 
 
 def test_every_parameter_can_be_set_alone() -> None:

@@ -60,7 +60,10 @@ def test_the_table_has_a_row_for_every_parameter_and_no_broken_cell() -> None:
 
 def test_flags_of_hydra_reach_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--hydra-help"]) == exit_codes.CLEAN and "Hydra" in capsys.readouterr().out
-    for arguments in (["select=paper", "--cfg", "job", "--package", "select"], ["--cfg", "job", "select=paper"]):
+    for arguments in (
+        ["+dataset=folder", "select=paper", "--cfg", "job", "--package", "select"],
+        ["--cfg", "job", "+dataset=folder", "select=paper"],
+    ):
         assert main(arguments) == exit_codes.CLEAN
         values = OmegaConf.to_container(OmegaConf.create(capsys.readouterr().out))
         assert isinstance(values, dict)
