@@ -228,26 +228,37 @@ def _improve(tops: FloatArray, old: float, new: float) -> None:
     tops[at] = new
 
 
+@inner
+def _sort(values: IntArray, count: int) -> None:
+    """Sort the first ``count`` values, ascending (Shell's method)."""
+    gap = 1
+    while gap < count // 3:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for k in range(gap, count):
+            value, at = values[k], k
+            while at >= gap and values[at - gap] > value:
+                values[at] = values[at - gap]
+                at -= gap
+            values[at] = value
+        gap //= 3
+
+
 class SearchBuffers(NamedTuple):
-    """Scratch arrays of a search: the bounds of `_row`, the least of each row, the leaves of each row, a box."""
+    """Scratch arrays of a search: the bounds of `_row`, the least of each row, the leaves of each row, the rows in
+    order, a box."""
 
     bounds: Single
     least: Int32Array
     rows: IntArray
+    order: IntArray
     box: Single
 
 
-@kernel
+@inner
 def _nearest(
-    i: int, groups_a: IntArray, sizes_a: IntArray, leaves_a: IntArray, tiles_a: IntArray, begins_a: IntArray,
-    trunks_a: Int32Array, features_a: Single, boxes_a: Single, facing_a: Single, offsets_a: IntArray, ea: FloatArray,
-    aa: FloatArray, ba: FloatArray, wa: FloatArray,
-    j: int, groups_b: IntArray, sizes_b: IntArray, leaves_b: IntArray, tiles_b: IntArray, begins_b: IntArray,
-    trunks_b: Int32Array, features_b: Single, boxes_b: Single, facing_b: Single, offsets_b: IntArray, eb: FloatArray,
-    ab: FloatArray, bb: FloatArray, wb: FloatArray,
-    sigma_edge: float, sigma_angle: float, sigma_area: float, slack: float,
-    bounds: Single, least: Int32Array, rows: IntArray, box: Single,
-    owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array,
+    i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, owners: Int32Array, tops: FloatArray,
+    bests: FloatArray, winners: Int32Array, met: Int32Array,
 ) -> None:  # fmt: skip
     """For every owner of trunks of shape j, find the one nearest to a trunk of shape i, if the owner may be among the
     len(tops) nearest.
@@ -256,6 +267,15 @@ def _nearest(
     the search reaches as far as the last. For every owner ``bests`` becomes D, ``winners`` (T, T', shift) with trunks
     numbered among all, and ``met`` 1 where trunks were compared corner by corner.
     """
+    # To take an array out of a tuple costs more than most of what is done with it below.
+    groups_a, sizes_a, leaves_a, tiles_a, begins_a = a.groups, a.sizes, a.leaves, a.tiles, a.begins
+    trunks_a, features_a, boxes_a, facing_a, offsets_a = a.trunks, a.features, a.boxes, a.facing, a.offsets
+    ea, aa, ba, wa = a.edges, a.alphas, a.betas, a.areas
+    groups_b, sizes_b, leaves_b, tiles_b, begins_b = b.groups, b.sizes, b.leaves, b.tiles, b.begins
+    trunks_b, features_b, boxes_b, facing_b, offsets_b = b.trunks, b.features, b.boxes, b.facing, b.offsets
+    eb, ab, bb, wb = b.edges, b.alphas, b.betas, b.areas
+    bounds, least, rows, order, box = buffers.bounds, buffers.least, buffers.rows, buffers.order, buffers.box
+    sigma_edge, sigma_angle, sigma_area, slack = scale.edge, scale.angle, scale.area, scale.slack
     reach = tops[-1]
     area = np.float32(2.0 / sigma_area)
     count = 0
@@ -283,11 +303,15 @@ def _nearest(
             count += 1
         g += 1
         h += 1
-    order = np.argsort(least[:count])
+    # By the least bound, and among equals by the number of the row: both are in the bits of one number.
+    for row in range(count):
+        order[row] = (np.int64(least[row]) << 32) | row
+    _sort(order, count)
     # The first sweep visits only the nearest leaf of every leaf, and only its nearest trunks: it gives a limit to the
     # second. A search with a limit needs no first sweep.
     for sweep in range(0 if reach == np.inf else 1, 2):
-        for r in order:
+        for rank in range(count):
+            r = order[rank] & 0xFFFFFFFF
             near = np.float32(reach + slack)
             if least[r] > np.float32(near).view(np.int32):
                 break
@@ -348,22 +372,68 @@ def _nearest(
 
 
 @kernel
+def _search(
+    pairs: IntArray, limits: FloatArray, lone: bool, a: Forest, b: Forest, scale: Scale, buffers: SearchBuffers,
+    owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array, out: FloatArray,
+    out_winners: Int32Array,
+) -> None:  # fmt: skip
+    """`_nearest` of ``pairs`` (k, 2) of shape numbers, one after the other.
+
+    If ``lone``, every pair has its own limit and its own result, of one owner: ``out`` (k,), ``out_winners`` (k, 3).
+    Otherwise the pairs share ``tops``, ``bests`` and ``winners``, and the search ends at the first pair whose limit is
+    greater than the last of ``tops``. One kernel does both, since most of the compiler's work is `_nearest`.
+    """
+    for k in range(pairs.shape[0]):
+        if lone:
+            tops[0], bests[0], winners[0, 0] = limits[k], np.inf, -1
+            winners[0, 1] = winners[0, 2] = -1
+        elif limits[k] > tops[-1] + scale.slack:
+            break
+        _nearest(pairs[k, 0], a, pairs[k, 1], b, scale, buffers, owners, tops, bests, winners, met)
+        if lone:
+            out[k] = bests[0]
+            for c in range(3):
+                out_winners[k, c] = winners[0, c]
+
+
+@kernel
+def _cell_distances(i: int, a: Forest, b: Forest, crowns: Single, scale: Scale, far: Single, box: Single) -> None:
+    """Fill ``far`` (cells,) with bounds of the distance of shape i of a from the cells of b."""
+    groups, sizes, leaves, tiles, boxes = a.groups, a.sizes, a.leaves, a.tiles, a.boxes
+    cells, cell_sizes = b.groups, b.sizes
+    area = np.float32(2.0 / scale.area)
+    lone, row = np.empty((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.empty((1, 1, TILE_LEAVES), np.float32)
+    single = lone.shape[0]
+    first = single - 1  # a constant would be a type of its own, for which `_row` is compiled again
+    for cell in range(len(crowns)):
+        far[cell] = np.inf
+        n = cell_sizes[cells[cell]]
+        edge, angle = np.float32(1.0 / (n * scale.edge)), np.float32(1.0 / (2.0 * n * scale.angle))
+        for f in range(2 * FEATURES):
+            lone[0, f, 0] = crowns[cell, f]
+        for g in range(groups[i], groups[i + 1]):
+            if sizes[g] != n:
+                continue
+            for x in range(leaves[g + 1] - leaves[g]):
+                for f in range(2 * FEATURES):
+                    box[f] = boxes[tiles[g] + x // TILE_LEAVES, f, x % TILE_LEAVES]
+                _row(box, lone, first, single, edge, angle, area, row, first, first)
+                far[cell] = min(far[cell], row[0, 0, 0])
+
+
 def make_buffers(a: Forest, b: Forest) -> SearchBuffers:
     """Scratch arrays for any shape of a against any of b."""
-    rows, columns = 1, 1
-    for i in range(len(a.groups) - 1):
-        rows = max(rows, a.leaves[a.groups[i + 1]] - a.leaves[a.groups[i]])
-    for h in range(len(b.sizes)):
-        columns = max(columns, b.tiles[h + 1] - b.tiles[h])
+    rows = int(np.diff(a.leaves[a.groups]).max(initial=1))
+    columns = int(np.diff(b.tiles).max(initial=1))
     return SearchBuffers(
         np.empty((rows, columns, TILE_LEAVES), np.float32),
         np.empty(rows, np.int32),
         np.empty((rows, 3), np.int64),
+        np.empty(rows, np.int64),
         np.empty(2 * FEATURES, np.float32),
     )
 
 
-@kernel
 def block(
     pairs: IntArray, a: Forest, b: Forest, scale: Scale, limits: FloatArray, out: FloatArray, winners: Int32Array
 ) -> None:
@@ -372,28 +442,14 @@ def block(
     Only distances up to ``limits`` (k,) count; a pair without one has inf, −1. Trunks are numbered within their shapes;
     among equals the first by (T, T', shift) wins.
     """
-    bounds, least, rows, box = make_buffers(a, b)
-    owners = np.zeros(len(b.areas), np.int32)
-    top, best, winner, met = np.empty(1), np.empty(1), np.empty((1, 3), np.int32), np.empty(1, np.int32)
-    for k in range(pairs.shape[0]):
-        i, j = pairs[k, 0], pairs[k, 1]
-        top[0], best[0] = limits[k], np.inf
-        winner[0, :] = -1
-        _nearest(
-            i, a.groups, a.sizes, a.leaves, a.tiles, a.begins, a.trunks, a.features, a.boxes, a.facing, a.offsets,
-            a.edges, a.alphas, a.betas, a.areas,
-            j, b.groups, b.sizes, b.leaves, b.tiles, b.begins, b.trunks, b.features, b.boxes, b.facing, b.offsets,
-            b.edges, b.alphas, b.betas, b.areas,
-            scale.edge, scale.angle, scale.area, scale.slack, bounds, least, rows, box, owners, top, best, winner, met,
-        )  # fmt: skip
-        out[k] = best[0]
-        winners[k, :] = winner[0, :]
-        if winner[0, 0] >= 0:
-            winners[k, 0] -= a.starts[i]
-            winners[k, 1] -= b.starts[j]
+    owners, met = np.zeros(len(b.areas), np.int32), np.empty(1, np.int32)
+    top, best, winner = np.empty(1), np.empty(1), np.empty((1, 3), np.int32)
+    _search(pairs, limits, True, a, b, scale, make_buffers(a, b), owners, top, best, winner, met, out, winners)
+    there = winners[:, 0] >= 0
+    winners[there, 0] -= a.starts[pairs[there, 0]].astype(np.int32)
+    winners[there, 1] -= b.starts[pairs[there, 1]].astype(np.int32)
 
 
-@kernel
 def partners(
     i: int, a: Forest, b: Forest, owners: Int32Array, crowns: Single, scale: Scale, tops: FloatArray, bests: FloatArray,
     winners: Int32Array, met: Int32Array,
@@ -403,33 +459,13 @@ def partners(
     ``crowns`` (cells, 2 FEATURES) are the boxes of the cells. Cells are searched in order of their distance, up to the
     last of ``tops``.
     """
-    bounds, least, rows, box = make_buffers(a, b)
-    far = np.full(len(crowns), np.inf, np.float32)
-    area = np.float32(2.0 / scale.area)
-    lone, row = np.empty((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.empty((1, 1, TILE_LEAVES), np.float32)
-    for cell in range(len(crowns)):
-        n = b.sizes[b.groups[cell]]
-        for g in range(a.groups[i], a.groups[i + 1]):
-            if a.sizes[g] != n:
-                continue
-            edge, angle = np.float32(1.0 / (n * scale.edge)), np.float32(1.0 / (2.0 * n * scale.angle))
-            lone[0, :, 0] = crowns[cell]
-            for x in range(a.leaves[g + 1] - a.leaves[g]):
-                for f in range(2 * FEATURES):
-                    box[f] = a.boxes[a.tiles[g] + x // TILE_LEAVES, f, x % TILE_LEAVES]
-                _row(box, lone, 0, 1, edge, angle, area, row, 0, 0)
-                far[cell] = min(far[cell], row[0, 0, 0])
-    for cell in np.argsort(far):
-        if far[cell] > tops[-1] + scale.slack:
-            break
-        _nearest(
-            i, a.groups, a.sizes, a.leaves, a.tiles, a.begins, a.trunks, a.features, a.boxes, a.facing, a.offsets,
-            a.edges, a.alphas, a.betas, a.areas,
-            cell, b.groups, b.sizes, b.leaves, b.tiles, b.begins, b.trunks, b.features, b.boxes, b.facing, b.offsets,
-            b.edges, b.alphas, b.betas, b.areas,
-            scale.edge, scale.angle, scale.area, scale.slack, bounds, least, rows, box,
-            owners, tops, bests, winners, met,
-        )  # fmt: skip
+    buffers, far = make_buffers(a, b), np.empty(len(crowns), np.float32)
+    _cell_distances(i, a, b, crowns, scale, far, buffers.box)
+    order = np.argsort(far, kind="stable")
+    pairs = np.empty((len(order), 2), np.int64)
+    pairs[:, 0], pairs[:, 1] = i, order
+    limits = far[order].astype(np.float64)
+    _search(pairs, limits, False, a, b, scale, buffers, owners, tops, bests, winners, met, bests, winners)
 
 
 def warm() -> None:
