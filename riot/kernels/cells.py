@@ -9,12 +9,11 @@ it is computed: boxes around runs of segments only leave out segments that canno
 
 from __future__ import annotations
 
-import heapq
 from typing import NamedTuple
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inlined, inner, kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
 BOUND_SLACK = 1e-12
@@ -42,34 +41,30 @@ class Arcs(NamedTuple):
 def boxed(points: FloatArray, offsets: IntArray, first: int) -> Arcs:
     """Arcs, (s, 2) with (n + 1,) offsets, listed from arc ``first`` on, with their boxes."""
     n = len(offsets) - 1
-    out = np.empty_like(points)
+    out = np.empty((len(points), 2))
     starts, runs = np.zeros(n + 1, dtype=np.int64), np.zeros(n + 1, dtype=np.int64)
     for i in range(n):
         k = (first + i) % n
         size = offsets[k + 1] - offsets[k]
         starts[i + 1] = starts[i] + size
         runs[i + 1] = runs[i] + (size - 1 + BOX_SEGMENTS - 1) // BOX_SEGMENTS
-        out[starts[i] : starts[i + 1]] = points[offsets[k] : offsets[k + 1]]
+        for s in range(size):
+            out[starts[i] + s, 0], out[starts[i] + s, 1] = points[offsets[k] + s, 0], points[offsets[k] + s, 1]
     boxes = np.empty((runs[n], 4))
     for i in range(n):
         last = starts[i + 1] - 1
         for b in range(runs[i], runs[i + 1]):
             start = starts[i] + (b - runs[i]) * BOX_SEGMENTS
             stop = min(start + BOX_SEGMENTS, last)
-            boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3] = np.inf, np.inf, -np.inf, -np.inf
+            left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
             for s in range(start, stop + 1):
-                boxes[b, 0], boxes[b, 2] = (
-                    min(boxes[b, 0], out[s, 0] - BOUND_SLACK),
-                    max(boxes[b, 2], out[s, 0] + BOUND_SLACK),
-                )
-                boxes[b, 1], boxes[b, 3] = (
-                    min(boxes[b, 1], out[s, 1] - BOUND_SLACK),
-                    max(boxes[b, 3], out[s, 1] + BOUND_SLACK),
-                )
+                left, right = min(left, out[s, 0] - BOUND_SLACK), max(right, out[s, 0] + BOUND_SLACK)
+                low, high = min(low, out[s, 1] - BOUND_SLACK), max(high, out[s, 1] + BOUND_SLACK)
+            boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3] = left, low, right, high
     return Arcs(out, starts, boxes, runs)
 
 
-@kernel
+@inner
 def _nearest(px: float, py: float, arcs: Arcs, i: int, within: float) -> float:
     """Distance of a point to arc i, which is known to be at most ``within``."""
     points, boxes = arcs.points, arcs.boxes
@@ -95,7 +90,7 @@ def _nearest(px: float, py: float, arcs: Arcs, i: int, within: float) -> float:
     return float(np.sqrt(nearest))
 
 
-@kernel
+@inner
 def _is_inside(px: float, py: float, arcs: Arcs, i: int) -> bool:
     """Whether a point lies in the region between arc i and its chord, by parity of the crossings to its right."""
     points, boxes = arcs.points, arcs.boxes
@@ -117,31 +112,24 @@ def _is_inside(px: float, py: float, arcs: Arcs, i: int) -> bool:
     return inside
 
 
-@kernel
-def _signed(px: float, py: float, arcs: Arcs, i: int) -> float:
-    """Signed distance of a point to arc i."""
-    far = _nearest(px, py, arcs, i, np.inf)
-    return -far if _is_inside(px, py, arcs, i) else far
-
-
-@kernel
-def _known(distances: FloatArray, inside: FloatArray, arcs: Arcs, k: int, i: int) -> float:
-    """``distances[k, i]``, computed now if nothing has asked for it before."""
-    if np.isnan(distances[k, i]):
-        distances[k, i] = _signed(inside[k, 0], inside[k, 1], arcs, i)
-    return float(distances[k, i])
-
-
-@kernel
-def _beside(inside: FloatArray, arcs: Arcs, k: int, other: int, known: float, i: int) -> float:
-    """Signed distance of mesh point k to arc i; ``known`` is that of a neighbouring point, or NaN."""
-    x, y = inside[k, 0], inside[k, 1]
-    if np.isnan(known):
-        return _signed(x, y, arcs, i)
-    apart = np.hypot(x - inside[other, 0], y - inside[other, 1]) + BOUND_SLACK
-    far = _nearest(x, y, arcs, i, abs(known) + apart)
-    negative = known < 0.0 if abs(known) > apart else _is_inside(x, y, arcs, i)
+@inlined
+def _signed(px: float, py: float, arcs: Arcs, i: int, known: float, apart: float) -> float:
+    """Signed distance of a point to arc i; ``known`` is that of a point which is at most ``apart`` away."""
+    far = _nearest(px, py, arcs, i, abs(known) + apart)
+    negative = known < 0.0 if abs(known) > apart else _is_inside(px, py, arcs, i)
     return -far if negative else far
+
+
+@inner
+def _known(distances: FloatArray, inside: FloatArray, arcs: Arcs, k: int, i: int, other: int) -> float:
+    """``distances[k, i]``, computed now if nothing has asked for it before, from that of point ``other`` if known."""
+    if np.isnan(distances[k, i]):
+        x, y, known, apart = inside[k, 0], inside[k, 1], 0.0, np.inf
+        if not np.isnan(distances[other, i]):
+            dx, dy = x - inside[other, 0], y - inside[other, 1]
+            known, apart = distances[other, i], np.sqrt(dx * dx + dy * dy) + BOUND_SLACK
+        distances[k, i] = _signed(x, y, arcs, i, known, apart)
+    return float(distances[k, i])
 
 
 @kernel
@@ -164,7 +152,9 @@ def nearest_pieces(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatA
     centre = len(inside) - 1
     for side in range(n):
         blocks[0, 0], blocks[0, 1], blocks[0, 2] = 1, 0, whole
-        seen[0, :], slack[0] = 0.0, np.inf
+        for i in range(n):
+            seen[0, i] = 0.0
+        slack[0] = np.inf
         top = 1
         while top > 0:
             top -= 1
@@ -181,9 +171,7 @@ def nearest_pieces(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatA
                 before, here[i] = seen[top, i], np.inf
                 if before == np.inf:
                     continue
-                far = _nearest(x, y, arcs, i, abs(before) + slack[top])
-                negative = before < 0.0 if abs(before) > slack[top] else _is_inside(x, y, arcs, i)
-                here[i] = -far if negative else far
+                here[i] = _signed(x, y, arcs, i, before, slack[top])
                 if here[i] < best:
                     best, label = here[i], i
             if size == 1:
@@ -213,19 +201,19 @@ def nearest_pieces(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatA
                     slack[top] = radius + BOUND_SLACK
                     top += 1
     for i in range(n):
-        if _known(distances, inside, arcs, centre, i) < distances[centre, labels[centre]]:
+        if _known(distances, inside, arcs, centre, i, centre) < distances[centre, labels[centre]]:
             labels[centre] = i
     return labels
 
 
-@kernel
+@inner
 def _mesh_index(n: int, rings: int, side: int, u: int, s: int) -> int:
     """Index of mesh point u·a + s·b between the spokes of ``side``: rings are listed from the outermost inwards."""
     r = u + s
     return (n * (rings * (rings + 1) - r * (r + 1))) // 2 + side * r + s
 
 
-@kernel
+@inner
 def _reach(
     inside: FloatArray, n: int, rings: int, side: int, u0: int, u1: int, s0: int, s1: int, x: float, y: float
 ) -> float:
@@ -259,9 +247,7 @@ def lost_contact(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatArr
         for k in range(edge * rings, (edge + 1) * rings):
             best = np.inf
             for i in range(n):
-                before = max(k - 1, 0)
-                distances[k, i] = _beside(inside, arcs, k, before, distances[before, i], i)
-                best = min(best, distances[k, i])
+                best = min(best, _known(distances, inside, arcs, k, i, max(k - 1, 0)))
             if best < distances[k, edge] - least:
                 lost += 1
         shares[edge] = lost / rings
@@ -271,8 +257,9 @@ def lost_contact(inside: FloatArray, rings: int, arcs: Arcs, distances: FloatArr
 @kernel
 def rooted(labels: IntArray, triangles: IntArray, boundary: int) -> BoolArray:
     """(k,) which mesh points are connected, within their cell, to one of the first ``boundary`` points."""
-    is_rooted = np.zeros(len(labels), dtype=np.bool_)
-    is_rooted[:boundary] = True
+    is_rooted = np.empty(len(labels), dtype=np.bool_)
+    for k in range(len(labels)):
+        is_rooted[k] = k < boundary
     left, before, inwards = len(labels) - boundary, -1, True
     # Cells mostly widen from the boundary inwards, and triangles are listed outwards: few passes reach all.
     while left > 0 and left != before:
@@ -308,37 +295,28 @@ def flood(
     inside: FloatArray, triangles: IntArray, arcs: Arcs, is_rooted: BoolArray, labels: IntArray, distances: FloatArray
 ) -> None:
     """Give the points that are not rooted to neighbouring cells, nearest piece first: ``labels`` is changed."""
-    done = is_rooted.copy()
-    # Neighbours of the points that are not rooted, by counting.
-    starts = np.zeros(len(labels) + 1, dtype=np.int64)
+    done, loose, size = is_rooted.copy(), np.empty(len(triangles), dtype=np.int64), 0
     for t in range(len(triangles)):
-        for k in range(3):
-            if not done[triangles[t, k]]:
-                starts[triangles[t, k] + 1] += 2
-    starts = np.cumsum(starts)
-    around, cursor = np.empty(starts[-1], dtype=np.int64), starts[:-1].copy()
-    heap = [(0.0, 0, 0) for _ in range(0)]
-    for t in range(len(triangles)):
-        for k in range(3):
-            a = triangles[t, k]
-            if done[a]:
-                continue
-            for other in (triangles[t, (k + 1) % 3], triangles[t, (k + 2) % 3]):
-                around[cursor[a]] = other
-                cursor[a] += 1
-                if done[other]:
-                    heap.append((_known(distances, inside, arcs, a, labels[other]), a, labels[other]))
-    heapq.heapify(heap)
-    while len(heap) > 0:
-        _, point, label = heapq.heappop(heap)
-        if done[point]:
-            continue
+        if not (done[triangles[t, 0]] and done[triangles[t, 1]] and done[triangles[t, 2]]):
+            loose[size] = t
+            size += 1
+    # So few points are cut off from their edge that every turn can look at all of their triangles.
+    while True:
+        nearest, point, label = np.inf, -1, -1
+        for slot in range(size):
+            for k in range(3):
+                a = triangles[loose[slot], k]
+                for j in range(1, 3):
+                    other = triangles[loose[slot], (k + j) % 3]
+                    if done[other] and not done[a]:
+                        i = labels[other]
+                        far = _known(distances, inside, arcs, a, i, a)
+                        if far < nearest or (far == nearest and (a < point or (a == point and i < label))):
+                            nearest, point, label = far, a, i
+        if point < 0:
+            break
         done[point] = True
         labels[point] = label
-        for k in range(starts[point], starts[point + 1]):
-            after = around[k]
-            if not done[after]:
-                heapq.heappush(heap, (_known(distances, inside, arcs, after, label), after, label))
 
 
 @kernel
@@ -354,11 +332,13 @@ def distances_beside(
             continue
         mixed[m] = t
         m += 1
-        for k, next_corner, last_corner in ((a, b, c), (b, c, a), (c, a, b)):
-            for i in (labels[a], labels[b], labels[c]):
-                if np.isnan(distances[k, i]):
-                    other = last_corner if np.isnan(distances[next_corner, i]) else next_corner
-                    distances[k, i] = _beside(inside, arcs, k, other, distances[other, i], i)
+        for k in range(3):
+            following, last = triangles[t, (k + 1) % 3], triangles[t, (k + 2) % 3]
+            for j in range(3):
+                i = labels[triangles[t, j]]
+                if np.isnan(distances[triangles[t, k], i]):
+                    other = last if np.isnan(distances[following, i]) else following
+                    _known(distances, inside, arcs, triangles[t, k], i, other)
     return mixed[:m]
 
 
