@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
 
@@ -43,9 +43,10 @@ def ring_mesh(polygon: FloatArray, middle: FloatArray, rings: int) -> tuple[Floa
                     spoke, onward = polygon[side, axis] - middle[axis], polygon[(side + 1) % n, axis] - middle[axis]
                     points[k, axis] = middle[axis] + ((r - s) * spoke + s * onward) / rings
                 k += 1
-    points[k] = middle
-    for side in range(n):
-        points[side * rings] = polygon[side]
+    for axis in range(2):
+        points[k, axis] = middle[axis]
+        for side in range(n):
+            points[side * rings, axis] = polygon[side, axis]
     t = 0
     for r in range(rings):
         inner = n * (rings * (rings + 1) - r * (r + 1)) // 2
@@ -84,6 +85,13 @@ def chains(
     """
     m, n = len(mixed), len(corners)
     across, at_corner, positions = _crossings(points, mixed, labels, distances, corners, corner_share)
+    nodes = np.empty((n + m, 2))
+    for axis in range(2):
+        for corner in range(n):
+            nodes[corner, axis] = points[corners[corner], axis]
+        for t in range(m):
+            at = positions[3 * t, axis] + positions[3 * t + 1, axis]
+            nodes[n + t, axis] = (at + positions[3 * t + 2, axis]) / 3.0
     # Half k of triangle t is its side from point k to the next; the boundary crosses it if its ends' cells differ.
     cut, three = np.zeros(3 * m, dtype=np.bool_), np.zeros(m, dtype=np.bool_)
     for t in range(m):
@@ -93,7 +101,7 @@ def chains(
     out, offsets = np.empty((9 * m + 2 * n, 2)), np.zeros(3 * m + n + 1, dtype=np.int64)
     ends, sides = np.empty((3 * m + n, 2), dtype=np.int64), np.empty((3 * m + n, 2), dtype=np.int64)
     chain = np.empty((m + 3, 2))
-    count = 0
+    count, whole = 0, True
     for half in range(3 * m):
         if not cut[half]:
             continue
@@ -103,28 +111,34 @@ def chains(
         for node in (n + t if three[t] else -1, corner):
             if node < 0 or (node < n and not three[t] and at_corner[_other(cut, half)] == corner):
                 continue
-            if node >= n:
-                chain[0] = _middle(positions, t)
-                size, last = _follow(half, n, across, at_corner, positions, cut, three, chain)
-            else:
-                chain[0] = points[corners[node]]
-                size, last = 1, n + t
-                if not three[t]:
-                    size, last = _follow(_other(cut, half), n, across, at_corner, positions, cut, three, chain)
+            _copy(nodes, node, chain, 0)
+            size, last = 1, n + t
+            if node >= n or not three[t]:
+                start = half if node >= n else _other(cut, half)
+                size, last = _follow(start, n, across, at_corner, positions, cut, three, chain)
             if last < 0:
-                return Chains(out[:0], offsets[:1], ends[:0], sides[:0], False)
-            chain[size] = points[corners[last]] if last < n else _middle(positions, last - n)
-            if _order(node, mixed, corners) > _order(last, mixed, corners):
+                whole = False
+                continue
+            _copy(nodes, last, chain, size)
+            if _order(node, mixed, corners, len(points)) > _order(last, mixed, corners, len(points)):
                 continue  # it comes from its other end
             offsets[count + 1] = _thinned(chain, size + 1, out, offsets[count], coincident)
             ends[count, 0], ends[count, 1] = node, last
             a, b = labels[mixed[t, half % 3]], labels[mixed[t, (half % 3 + 1) % 3]]
             sides[count, 0], sides[count, 1] = min(a, b), max(a, b)
             count += 1
-    return Chains(out[: offsets[count]], offsets[: count + 1], ends[:count], sides[:count], True)
+    if not whole:
+        count = 0
+    return Chains(out[: offsets[count]], offsets[: count + 1], ends[:count], sides[:count], whole)
 
 
-@kernel
+@inner
+def _copy(source: FloatArray, k: int, target: FloatArray, slot: int) -> None:
+    """Copy point k of ``source`` (k, 2) to a slot of ``target`` (l, 2)."""
+    target[slot, 0], target[slot, 1] = source[k, 0], source[k, 1]
+
+
+@inner
 def _follow(
     half: int,
     n: int,
@@ -141,7 +155,7 @@ def _follow(
     """
     size = 1
     while at_corner[half] < 0:
-        chain[size] = positions[half]
+        _copy(positions, half, chain, size)
         size += 1
         after = across[half]
         if after < 0:
@@ -152,7 +166,7 @@ def _follow(
     return size, at_corner[half]
 
 
-@kernel
+@inner
 def _other(cut: BoolArray, half: int) -> int:
     """The other side of a triangle of two cells that the boundary crosses."""
     base = half - half % 3
@@ -160,13 +174,6 @@ def _other(cut: BoolArray, half: int) -> int:
         if cut[k] and k != half:
             return k
     return -1
-
-
-@kernel
-def _middle(positions: FloatArray, t: int) -> FloatArray:
-    """(2,) mean of the three crossings of a triangle in which three cells meet."""
-    middle: FloatArray = ((positions[3 * t] + positions[3 * t + 1]) + positions[3 * t + 2]) / 3.0
-    return middle
 
 
 @kernel
@@ -182,15 +189,24 @@ def _crossings(
     crossing."""
     m, n = len(mixed), len(corners)
     rings = corners[1] - corners[0]
-    across, at_corner = np.full(3 * m, -1), np.full(3 * m, -1)
+    across, at_corner = np.empty(3 * m, dtype=np.int64), np.empty(3 * m, dtype=np.int64)
     positions = np.empty((3 * m, 2))
-    keys = np.empty(3 * m, dtype=np.int64)
+    # The halves whose side begins at mesh point u, the lesser of its two: the newest, and for each the one before it.
+    newest, earlier = np.empty(len(points), dtype=np.int64), np.empty(3 * m, dtype=np.int64)
+    for u in range(len(points)):
+        newest[u] = -1
     for half in range(3 * m):
+        across[half], at_corner[half] = -1, -1
         t, k = half // 3, half % 3
         u, v = mixed[t, k], mixed[t, (k + 1) % 3]
         u, v = min(u, v), max(u, v)
         a, b = labels[u], labels[v]
-        keys[half] = u * len(points) + v
+        other = newest[u]
+        while other >= 0 and mixed[other // 3, other % 3] != v and mixed[other // 3, (other % 3 + 1) % 3] != v:
+            other = earlier[other]
+        if other >= 0:
+            across[half], across[other] = other, half
+        earlier[half], newest[u] = newest[u], half
         if a == b:
             continue
         corner = -1
@@ -203,7 +219,7 @@ def _crossings(
             if (a == corner and b == before) or (a == before and b == corner):
                 # The boundary between the cells of the two edges that meet at a corner ends in the corner.
                 at_corner[half] = corner
-                positions[half] = points[corners[corner]]
+                _copy(points, corners[corner], positions, half)
                 continue
         # A point flooded or forced into a cell may lie nearer to the other piece: then the boundary keeps next to it.
         at_u = max(distances[u, b] - distances[u, a], 0.0)
@@ -211,39 +227,34 @@ def _crossings(
         share = 0.5 if at_u + at_v == 0.0 else at_u / (at_u + at_v)
         least = corner_share if corner >= 0 else 0.0
         share = min(max(share, least), 1.0 - least)
-        positions[half] = points[u] + share * (points[v] - points[u])
-    ranked = np.argsort(keys)
-    for k in range(3 * m - 1):
-        current, following = ranked[k], ranked[k + 1]
-        if keys[current] == keys[following]:
-            across[current], across[following] = following, current
+        for axis in range(2):
+            positions[half, axis] = points[u, axis] + share * (points[v, axis] - points[u, axis])
     return across, at_corner, positions
 
 
-@kernel
-def _order(node: int, mixed: IntArray, corners: IntArray) -> tuple[int, int, int]:
-    """The key that orders nodes: the mesh point of a corner, the ascending mesh points of a triangle."""
+@inner
+def _order(node: int, mixed: IntArray, corners: IntArray, count: int) -> int:
+    """The key that orders nodes, by the ascending mesh points of a triangle, of ``count``, or that of a corner."""
     n = len(corners)
     if node < n:
-        return corners[node], -1, -1
+        return int(corners[node] * count * count)
     a, b, c = mixed[node - n, 0], mixed[node - n, 1], mixed[node - n, 2]
-    least, most = min(a, b, c), max(a, b, c)
-    return least, a + b + c - least - most, most
+    least, most = min(a, min(b, c)), max(a, max(b, c))
+    return int((least * count + (a + b + c - least - most)) * count + most)
 
 
-@kernel
+@inner
 def _thinned(chain: FloatArray, size: int, out: FloatArray, start: int, coincident: float) -> int:
     """Append a chain to ``out`` without coincident points; returns where it ends there."""
-    out[start] = chain[0]
-    stop = start + 1
-    last = chain[size - 1]
-    for k in range(1, size - 1):
-        before = out[stop - 1]
-        near = np.hypot(chain[k, 0] - before[0], chain[k, 1] - before[1])
-        if min(near, np.hypot(chain[k, 0] - last[0], chain[k, 1] - last[1])) > coincident:
-            out[stop] = chain[k]
+    _copy(chain, 0, out, start)
+    stop, last = start + 1, size - 1
+    for k in range(1, last):
+        x, y = chain[k, 0], chain[k, 1]
+        near = np.hypot(x - out[stop - 1, 0], y - out[stop - 1, 1])
+        if min(near, np.hypot(x - chain[last, 0], y - chain[last, 1])) > coincident:
+            _copy(chain, k, out, stop)
             stop += 1
-    out[stop] = last
+    _copy(chain, last, out, stop)
     return stop + 1
 
 
