@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
 BENDABLE = 0.2
@@ -39,8 +39,12 @@ def solved(
     draw single samples to ``wanted`` (k, 2). Samples nearer to each other than ``least`` count as that far apart, since
     the system would be too stiff otherwise.
     """
-    count, size = len(targets), which.max() + 1
-    first = np.arange(size)
+    count, size = len(targets), 0
+    for k in range(count):
+        size = max(size, which[k] + 1)
+    first = np.empty(size, dtype=np.int64)
+    for row in range(size):
+        first[row] = row
     for i in range(len(offsets) - 1):
         for k in range(offsets[i], offsets[i + 1]):
             for other in range(max(k - 2, offsets[i]), k):
@@ -71,11 +75,11 @@ def solved(
     out = known.copy()
     for k in range(count):
         if which[k] >= 0:
-            out[k] = right[which[k]]
+            out[k, 0], out[k, 1] = right[which[k], 0], right[which[k], 1]
     return out
 
 
-@kernel
+@inner
 def _turn(points: FloatArray, k: int) -> float:
     """Change of direction at vertex k, radians."""
     ax, ay = points[k, 0] - points[k - 1, 0], points[k, 1] - points[k - 1, 1]
@@ -83,13 +87,13 @@ def _turn(points: FloatArray, k: int) -> float:
     return float(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
 
 
-@kernel
+@inner
 def _distance(points: FloatArray, i: int, j: int) -> float:
     x, y = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1]
     return float(np.sqrt(x * x + y * y))
 
 
-@kernel
+@inner
 def _add(
     matrix: FloatArray,
     starts: IntArray,
@@ -118,7 +122,7 @@ def _add(
                 matrix[starts[row + 1] - 1 - (row - column)] += weight * factors[i] * factors[j]
 
 
-@kernel
+@inner
 def _factor(matrix: FloatArray, starts: IntArray, first: IntArray) -> None:
     """Cholesky's factors in place: row r stores its columns ``first[r]`` to r."""
     for row in range(len(first)):
@@ -134,7 +138,7 @@ def _factor(matrix: FloatArray, starts: IntArray, first: IntArray) -> None:
                 matrix[base + column] = total / matrix[other + column]
 
 
-@kernel
+@inner
 def _substitute(matrix: FloatArray, starts: IntArray, first: IntArray, right: FloatArray) -> None:
     size = len(first)
     for row in range(size):
@@ -162,7 +166,7 @@ def collisions(points: FloatArray, offsets: IntArray, ends: IntArray, clearance:
     count = len(points)
     owner = np.empty(count, dtype=np.int64)
     boxes = np.empty((count, 4))
-    segments = np.empty(count, dtype=np.int64)
+    segments = np.empty(count - (len(offsets) - 1), dtype=np.int64)
     size = 0
     for i in range(len(offsets) - 1):
         for k in range(offsets[i], offsets[i + 1] - 1):
@@ -172,12 +176,12 @@ def collisions(points: FloatArray, offsets: IntArray, ends: IntArray, clearance:
             for axis in range(2):
                 boxes[k, axis] = min(points[k, axis], points[k + 1, axis]) - clearance
                 boxes[k, 2 + axis] = max(points[k, axis], points[k + 1, axis])
-    order = segments[:size][np.argsort(boxes[segments[:size], 0], kind="mergesort")]
+    _sort(segments, boxes)
     colliding = np.zeros(count, dtype=np.bool_)
     for p in range(size):
-        segment = order[p]
+        segment = segments[p]
         for q in range(p + 1, size):
-            other = order[q]
+            other = segments[q]
             if boxes[other, 0] > boxes[segment, 2]:
                 break
             if boxes[other, 1] > boxes[segment, 3] or boxes[segment, 1] > boxes[other, 3]:
@@ -187,7 +191,21 @@ def collisions(points: FloatArray, offsets: IntArray, ends: IntArray, clearance:
     return colliding
 
 
-@kernel
+@inner
+def _sort(segments: IntArray, boxes: FloatArray) -> None:
+    """Sort segments by the left ends of their boxes, by Shell's method."""
+    gap = len(segments) // 2
+    while gap > 0:
+        for k in range(gap, len(segments)):
+            segment, slot = segments[k], k
+            while slot >= gap and boxes[segments[slot - gap], 0] > boxes[segment, 0]:
+                segments[slot] = segments[slot - gap]
+                slot -= gap
+            segments[slot] = segment
+        gap //= 2
+
+
+@inner
 def _collide(
     points: FloatArray, offsets: IntArray, ends: IntArray, owner: IntArray, segment: int, other: int, clearance: float
 ) -> bool:
@@ -213,7 +231,7 @@ def _collide(
     return _near(points, segment, other, clearance)
 
 
-@kernel
+@inner
 def _folded(points: FloatArray, middle: int, before: int, after: int) -> bool:
     """Whether the way from ``before`` over ``middle`` to ``after`` turns back on itself, or does not move."""
     ax, ay = points[before, 0] - points[middle, 0], points[before, 1] - points[middle, 1]
@@ -222,29 +240,33 @@ def _folded(points: FloatArray, middle: int, before: int, after: int) -> bool:
     return bool(dot >= 0.0 and abs(cross) <= _FOLDED * dot)
 
 
-@kernel
+@inner
 def _near(points: FloatArray, segment: int, other: int, clearance: float) -> bool:
     """Whether two segments, each from its sample to the next, cross or come within ``clearance``."""
-    a, b, c, d = points[segment], points[segment + 1], points[other], points[other + 1]
-    if _side(a, b, c) * _side(a, b, d) < 0.0 and _side(c, d, a) * _side(c, d, b) < 0.0:
+    a, b, c, d = segment, segment + 1, other, other + 1
+    if _side(points, a, b, c) * _side(points, a, b, d) < 0.0 and _side(points, c, d, a) * _side(points, c, d, b) < 0.0:
         return True
-    square = min(min(_square(a, b, c), _square(a, b, d)), min(_square(c, d, a), _square(c, d, b)))
+    square = min(_square(points, a, b, c), _square(points, a, b, d))
+    square = min(square, min(_square(points, c, d, a), _square(points, c, d, b)))
     return bool(square <= clearance * clearance)
 
 
-@kernel
-def _side(a: FloatArray, b: FloatArray, x: FloatArray) -> float:
-    return float((b[0] - a[0]) * (x[1] - a[1]) - (b[1] - a[1]) * (x[0] - a[0]))
+@inner
+def _side(points: FloatArray, a: int, b: int, x: int) -> float:
+    """Positive if sample x lies on the left of the line from sample a to sample b, negative on the right."""
+    ax, ay = points[a, 0], points[a, 1]
+    return float((points[b, 0] - ax) * (points[x, 1] - ay) - (points[b, 1] - ay) * (points[x, 0] - ax))
 
 
-@kernel
-def _square(a: FloatArray, b: FloatArray, x: FloatArray) -> float:
-    """Squared distance of x from the segment a–b."""
-    ex, ey = b[0] - a[0], b[1] - a[1]
+@inner
+def _square(points: FloatArray, a: int, b: int, x: int) -> float:
+    """Squared distance of sample x from the segment of samples a and b."""
+    ax, ay = points[a, 0], points[a, 1]
+    ex, ey = points[b, 0] - ax, points[b, 1] - ay
     square = ex * ex + ey * ey
-    u = 0.0 if square == 0.0 else ((x[0] - a[0]) * ex + (x[1] - a[1]) * ey) / square
+    u = 0.0 if square == 0.0 else ((points[x, 0] - ax) * ex + (points[x, 1] - ay) * ey) / square
     u = min(1.0, max(0.0, u))
-    dx, dy = x[0] - a[0] - u * ex, x[1] - a[1] - u * ey
+    dx, dy = points[x, 0] - ax - u * ex, points[x, 1] - ay - u * ey
     return float(dx * dx + dy * dy)
 
 
@@ -257,10 +279,11 @@ def difference(path: FloatArray, arc: FloatArray, lines: int) -> float:
     m, k = len(path), len(arc)
     count = m + k - 2
     points = np.empty((count + 1, 2))
-    points[:m] = path
-    for i in range(1, k):
-        points[m - 1 + i] = arc[k - 1 - i]
-    low, high = points[:, 1].min(), points[:, 1].max()
+    low, high = np.inf, -np.inf
+    for i in range(count + 1):
+        x, y = (path[i, 0], path[i, 1]) if i < m else (arc[count - i, 0], arc[count - i, 1])
+        points[i, 0], points[i, 1] = x, y
+        low, high = min(low, y), max(high, y)
     step = (high - low) / lines
     if step <= 0.0:
         return 0.0
@@ -275,18 +298,22 @@ def difference(path: FloatArray, arc: FloatArray, lines: int) -> float:
             starts[line + 1] += 1
     for line in range(lines):
         starts[line + 1] += starts[line]
-    crossings, filled = np.empty(starts[lines]), starts[:lines].copy()
+    crossings, stops = np.empty(starts[lines]), starts.copy()
     for i in range(count):
         for line in range(spans[i, 0], spans[i, 1]):
             y = low + (line + 0.5) * step
             share = (y - points[i, 1]) / (points[i + 1, 1] - points[i, 1])
-            crossings[filled[line]] = points[i, 0] + share * (points[i + 1, 0] - points[i, 0])
-            filled[line] += 1
+            x = points[i, 0] + share * (points[i + 1, 0] - points[i, 0])
+            slot = stops[line]
+            while slot > starts[line] and crossings[slot - 1] > x:
+                crossings[slot] = crossings[slot - 1]
+                slot -= 1
+            crossings[slot] = x
+            stops[line] += 1
     total = 0.0
     for line in range(lines):
-        row = np.sort(crossings[starts[line] : starts[line + 1]])
-        for s in range(0, len(row) - 1, 2):
-            total += row[s + 1] - row[s]
+        for s in range(starts[line], starts[line + 1] - 1, 2):
+            total += crossings[s + 1] - crossings[s]
     return float(total * step)
 
 
