@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
 
 SAME_POINT = 1e-9
@@ -111,45 +111,52 @@ def least_changes(
     n = trunks.shape[1]
     capacity = max(len(points_p), len(points_q)) + 5 * n
     arcs, offsets = np.empty((capacity, 2)), np.empty(n + 1, dtype=np.int64)
-    ious, gradient = np.empty(2), np.zeros((2, 2, n, 2))
+    source, target = np.empty((n, 2)), np.empty((n, 2))
+    ious, gradient = np.empty(2), np.empty((2, 2, n, 2))
     for side in range(2):
-        source, target = trunks[side].copy(), trunks[1 - side].copy()
-        if side == 1:
-            source, target = source[::-1].copy(), target[::-1].copy()
+        for j in range(n):
+            at = j if side == 0 else n - 1 - j
+            for axis in range(2):
+                source[j, axis], target[j, axis] = trunks[side, at, axis], trunks[1 - side, at, axis]
         points, windows = (points_p, windows_p) if side == 0 else (points_q, windows_q)
         placed_arcs(points, windows, source, target, arcs, offsets)
-        areas, by_source, by_target = _areas(source, target, arcs, offsets, lines)
+        areas, by_source, by_target, step = _areas(source, target, arcs, offsets, lines)
         area = 0.0
         m = len(points)
         for k in range(m):
             after = k + 1 if k + 1 < m else 0
             area += 0.5 * (points[k, 0] * points[after, 1] - points[after, 0] * points[k, 1])
-        iou = (area - areas[LOST]) / (area + areas[ADDED])
+        whole = area + areas[ADDED] * step
+        iou = (area - areas[LOST] * step) / whole
         ious[side] = iou
         for j in range(n):
             at = j if side == 0 else n - 1 - j
             for axis in range(2):
-                change = by_source[LOST, j, axis] + iou * by_source[ADDED, j, axis]
-                gradient[side, side, at, axis] = -change / (area + areas[ADDED])
-                change = by_target[LOST, j, axis] + iou * by_target[ADDED, j, axis]
-                gradient[side, 1 - side, at, axis] = -change / (area + areas[ADDED])
+                change = by_source[LOST, j, axis] * step + iou * (by_source[ADDED, j, axis] * step)
+                gradient[side, side, at, axis] = -change / whole
+                change = by_target[LOST, j, axis] * step + iou * (by_target[ADDED, j, axis] * step)
+                gradient[side, 1 - side, at, axis] = -change / whole
     return ious, gradient
 
 
 @kernel
 def _areas(
     source: FloatArray, target: FloatArray, arcs: FloatArray, offsets: IntArray, lines: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Areas lost and added, (2,), and their gradients by the corners of ``source`` and of ``target``, (2, n, 2)."""
+) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Areas lost and added, (2,), and their gradients by the corners of ``source`` and of ``target``, (2, n, 2).
+
+    All in units of the distance of two scanlines, which is returned last.
+    """
     n = len(target)
     starts, x, edge, most, low, step = _crossings(arcs, offsets, n, lines)
     owner = np.empty(offsets[n], dtype=np.int64)
     for i in range(n):
-        owner[offsets[i] : offsets[i + 1]] = i
+        for k in range(offsets[i], offsets[i + 1]):
+            owner[k] = i
     areas = np.zeros(2)
     push = np.zeros((2, n, 3))  # by a move of arc i along x, along y, and by its turn about target[i]
     by_source, by_target = np.zeros((2, n, 2)), np.zeros((2, n, 2))
-    winding = np.zeros(n, dtype=np.int64)
+    winding = np.empty(n, dtype=np.int64)
     row, order = np.empty(most), np.empty(most, dtype=np.int64)
     before = 0
     for line in range(lines):
@@ -170,7 +177,8 @@ def _areas(
             row[slot], order[slot] = at, which
         inside, whole, apart, lacking = False, 0, 0, 0
         lost, added = 0, 0
-        winding[:] = 0
+        for i in range(n):
+            winding[i] = 0
         for k in range(m):
             if k > 0:
                 areas[LOST] += lost * (row[k] - row[k - 1])
@@ -212,13 +220,19 @@ def _areas(
                     push[kind, i, 2] += pull * arm
     for kind in range(2):
         for i in range(n):
-            _spread(source, target, push[kind, i], i, by_source[kind], by_target[kind])
-    return areas * step, by_source * step, by_target * step
+            _spread(source, target, push, kind, i, by_source, by_target)
+    return areas, by_source, by_target, step
 
 
-@kernel
+@inner
 def _spread(
-    source: FloatArray, target: FloatArray, push: FloatArray, i: int, by_source: FloatArray, by_target: FloatArray
+    source: FloatArray,
+    target: FloatArray,
+    push: FloatArray,
+    kind: int,
+    i: int,
+    by_source: FloatArray,
+    by_target: FloatArray,
 ) -> None:
     """Turn the derivatives by shift and turn of arc i into derivatives by the four corners that place the arc.
 
@@ -230,14 +244,15 @@ def _spread(
     square_u, square_w = ux * ux + uy * uy, wx * wx + wy * wy
     scale = 1.0 / np.sqrt(square_u * square_w)
     real, imaginary = (wx * ux + wy * uy) * scale, (wy * ux - wx * uy) * scale
-    by_target[i, 0] += push[0] + push[2] * wy / square_w
-    by_target[i, 1] += push[1] - push[2] * wx / square_w
-    by_target[j, 0] -= push[2] * wy / square_w
-    by_target[j, 1] += push[2] * wx / square_w
-    by_source[i, 0] -= real * push[0] + imaginary * push[1] + push[2] * uy / square_u
-    by_source[i, 1] -= real * push[1] - imaginary * push[0] - push[2] * ux / square_u
-    by_source[j, 0] += push[2] * uy / square_u
-    by_source[j, 1] -= push[2] * ux / square_u
+    x, y, turn = push[kind, i, 0], push[kind, i, 1], push[kind, i, 2]
+    by_target[kind, i, 0] += x + turn * wy / square_w
+    by_target[kind, i, 1] += y - turn * wx / square_w
+    by_target[kind, j, 0] -= turn * wy / square_w
+    by_target[kind, j, 1] += turn * wx / square_w
+    by_source[kind, i, 0] -= real * x + imaginary * y + turn * uy / square_u
+    by_source[kind, i, 1] -= real * y - imaginary * x - turn * ux / square_u
+    by_source[kind, j, 0] += turn * uy / square_u
+    by_source[kind, j, 1] -= turn * ux / square_u
 
 
 @kernel
@@ -274,7 +289,7 @@ def _crossings(
         most = max(most, crossing)
         starts[line + 1] = starts[line] + crossing
     x, edge = np.empty(starts[lines]), np.empty(starts[lines], dtype=np.int64)
-    cursor = starts[:lines].copy()
+    cursor = starts.copy()
     for i in range(n):
         for k in range(offsets[i], offsets[i + 1]):
             after = k + 1 if k + 1 < offsets[i + 1] else offsets[i]

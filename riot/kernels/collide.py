@@ -47,10 +47,10 @@ def _segment_gap(a: FloatArray, b: FloatArray) -> float:
 
 
 @inner
-def _inside(points: FloatArray, rings: IntArray, first: int, last: int, x: float, y: float) -> bool:
-    """Whether (x, y) lies in one of the rings ``first`` to ``last`` (even–odd)."""
+def _inside(points: FloatArray, rings: IntArray, x: float, y: float) -> bool:
+    """Whether (x, y) lies in a body (even–odd)."""
     inside = False
-    for ring in range(first, last):
+    for ring in range(len(rings) - 1):
         before = rings[ring + 1] - 1
         for i in range(rings[ring], rings[ring + 1]):
             ay, by = points[before, 1], points[i, 1]
@@ -63,13 +63,11 @@ def _inside(points: FloatArray, rings: IntArray, first: int, last: int, x: float
 
 
 @inner
-def _near(
-    points: FloatArray, rings: IntArray, first: int, last: int, box: FloatArray, reach: float, out: FloatArray
-) -> int:
-    """Fill ``out`` with the edges of rings ``first`` to ``last`` whose boxes are within ``reach`` of ``box``."""
+def _near(points: FloatArray, rings: IntArray, box: FloatArray, reach: float, out: FloatArray) -> int:
+    """Fill ``out`` with a body's edges whose boxes are within ``reach`` of ``box``."""
     count = 0
     left, low, right, high = box[0] - reach, box[1] - reach, box[2] + reach, box[3] + reach
-    for ring in range(first, last):
+    for ring in range(len(rings) - 1):
         before = rings[ring + 1] - 1
         for i in range(rings[ring], rings[ring + 1]):
             ax, ay, bx, by = points[before, 0], points[before, 1], points[i, 0], points[i, 1]
@@ -81,12 +79,13 @@ def _near(
 
 
 @inner
-def _box(points: FloatArray, start: int, stop: int, box: FloatArray) -> None:
-    """Set ``box`` to the least x and y and the greatest x and y of ``points[start:stop]``."""
-    box[0], box[1], box[2], box[3] = np.inf, np.inf, -np.inf, -np.inf
-    for i in range(start, stop):
-        box[0], box[1] = min(box[0], points[i, 0]), min(box[1], points[i, 1])
-        box[2], box[3] = max(box[2], points[i, 0]), max(box[3], points[i, 1])
+def _box(points: FloatArray, rings: IntArray, box: FloatArray) -> None:
+    """Set ``box`` to the least x and y and the greatest x and y of a body."""
+    left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
+    for i in range(rings[0], rings[-1]):
+        left, right = min(left, points[i, 0]), max(right, points[i, 0])
+        low, high = min(low, points[i, 1]), max(high, points[i, 1])
+    box[0], box[1], box[2], box[3] = left, low, right, high
 
 
 @inner
@@ -112,26 +111,28 @@ def separation(
     ``placement`` (3,) is where b's frame lies in a's: x, y, heading in radians. A body inside the other overlaps it. An
     empty body is infinitely far.
     """
-    a0, a1, b0, b1 = bodies[a], bodies[a + 1], bodies[b], bodies[b + 1]
-    if a0 == a1 or b0 == b1:
+    rings_a, rings_b = rings[bodies[a] : bodies[a + 1] + 1], rings[bodies[b] : bodies[b + 1] + 1]
+    if len(rings_a) == 1 or len(rings_b) == 1:
         return np.inf
     c, s = np.cos(placement[2]), np.sin(placement[2])
-    start = rings[b0]
-    placed = np.empty((rings[b1] - start, 2))
+    start = rings_b[0]
+    placed = np.empty((rings_b[-1] - start, 2))
     for i in range(len(placed)):
         px, py = points[start + i, 0], points[start + i, 1]
         placed[i, 0], placed[i, 1] = c * px - s * py + placement[0], s * px + c * py + placement[1]
-    offsets = rings[b0 : b1 + 1] - start
+    offsets = np.empty(len(rings_b), dtype=np.int64)
+    for ring in range(len(rings_b)):
+        offsets[ring] = rings_b[ring] - start
     box_a, box_b = np.empty(4), np.empty(4)
-    _box(points, rings[a0], rings[a1], box_a)
-    _box(placed, 0, len(placed), box_b)
+    _box(points, rings_a, box_a)
+    _box(placed, offsets, box_b)
     apart = _box_gap(box_a, box_b)
     if apart >= cap * cap:
         return float(np.sqrt(apart))
 
-    near_a, near_b = np.empty((rings[a1] - rings[a0], 4)), np.empty((len(placed), 4))
-    count_a = _near(points, rings, a0, a1, box_b, cap, near_a)
-    count_b = _near(placed, offsets, 0, len(offsets) - 1, box_a, cap, near_b)
+    near_a, near_b = np.empty((rings_a[-1] - rings_a[0], 4)), np.empty((len(placed), 4))
+    count_a = _near(points, rings_a, box_b, cap, near_a)
+    count_b = _near(placed, offsets, box_a, cap, near_b)
     best = cap * cap
     for i in range(count_a):
         edge_a = near_a[i]
@@ -147,10 +148,10 @@ def separation(
             return 0.0
     if apart == 0.0:
         for ring in range(len(offsets) - 1):
-            if _inside(points, rings, a0, a1, placed[offsets[ring], 0], placed[offsets[ring], 1]):
+            if _inside(points, rings_a, placed[offsets[ring], 0], placed[offsets[ring], 1]):
                 return 0.0
-        for ring in range(a0, a1):
-            if _inside(placed, offsets, 0, len(offsets) - 1, points[rings[ring], 0], points[rings[ring], 1]):
+        for ring in range(len(rings_a) - 1):
+            if _inside(placed, offsets, points[rings_a[ring], 0], points[rings_a[ring], 1]):
                 return 0.0
     return float(np.sqrt(best))
 
