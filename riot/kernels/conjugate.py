@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import FloatArray
 
 _LEAST_PIVOT = 1e-30
@@ -45,12 +45,14 @@ def conjugated(trunks: FloatArray, tolerance: float, steps: int) -> tuple[FloatA
     worst = np.inf
     for _ in range(steps):
         residual, jacobian = edge_differences(current.reshape(2, n, 2))
-        worst = np.abs(residual).max()
+        worst = 0.0
+        for i in range(n):
+            worst = max(worst, abs(residual[i]))
         if not worst >= tolerance:
             break
-        normal = np.zeros((n, n))
-        wanted = -residual
+        normal, wanted = np.zeros((n, n)), np.zeros(n)
         for i in range(n):
+            wanted[i] = -residual[i]
             for k in range(4 * n):
                 if jacobian[i, k] == 0.0:
                     continue
@@ -125,7 +127,7 @@ def quasi_newton(moves: FloatArray, changes: FloatArray, count: int, gradient: F
     return direction
 
 
-@kernel
+@inner
 def _solve(matrix: FloatArray, right: FloatArray) -> bool:
     """Solve a positive definite system, (n, n), by Cholesky's factors; the solution replaces ``right``, (n,). False if
     the matrix is singular."""

@@ -102,8 +102,9 @@ def simplified(points: FloatArray, x: float, y: float, tolerance: float) -> IntA
     second = farthest_vertex(points, points[first, 0], points[first, 1])
     middle = second - first if second >= first else second - first + m
     turned = np.empty((m + 1, 2))
-    turned[: m - first] = points[first:]
-    turned[m - first :] = points[: first + 1]
+    for i in range(m + 1):
+        k = (first + i) % m
+        turned[i, 0], turned[i, 1] = points[k, 0], points[k, 1]
     keep = np.zeros(m, dtype=np.bool_)
     keep[first] = True
     for start, stop in ((0, middle), (middle, m)):
@@ -113,7 +114,12 @@ def simplified(points: FloatArray, x: float, y: float, tolerance: float) -> IntA
         for i in range(stop - start):
             if kept[i]:
                 keep[(first + start + i) % m] = True
-    return np.flatnonzero(keep)
+    kept_indices, count = np.empty(m, dtype=np.int64), 0
+    for k in range(m):
+        if keep[k]:
+            kept_indices[count] = k
+            count += 1
+    return kept_indices[:count]
 
 
 @kernel
