@@ -1,3 +1,9 @@
+from . import bend as bend
+from . import bend_arcs as bend_arcs
+from . import bend_climb as bend_climb
+from . import bend_contact as bend_contact
+from . import bend_objective as bend_objective
+from . import bent_side as bent_side
 from . import conjugate as conjugate
 from . import detail as detail
 from . import dissected_plan as dissected_plan
@@ -16,6 +22,9 @@ from . import tree as tree
 from . import tree_match as tree_match
 from . import trunk_choice as trunk_choice
 from . import tuning as tuning
+from .bend import BentPlan as BentPlan
+from .bend import bend_plan as bend_plan
+from .bend import bend_plans as bend_plans
 from .dissected_plan import DissectedPlan as DissectedPlan
 from .dissected_plan import dissect_plan as dissect_plan
 from .pins import Pins as Pins

@@ -203,3 +203,41 @@ SCALE_TRIALS = 51
 
 RESIDUAL_LINES = 2048
 """Scanlines of the residual areas where the caller gives no number."""
+
+# Bending (theory §12)
+
+SOFTEST = 4.0
+"""Eigenvalue below which a mode's step is measured by how far it moves the shape, and no more by its energy."""
+
+CONTACT_SAMPLES = 24
+"""Points of a trunk edge at which its own piece and the others are compared."""
+
+CONTACT_INSET = 1e-6
+"""Share of the way to the trunk's middle by which these are moved inwards, as `INWARD_SHARE`."""
+
+CONTACT_RAMP = L_C / 200
+"""Length: by so much more another piece is nearer where contact counts as lost altogether. Wide enough for a gradient,
+narrow beside a piece."""
+
+SPARE_CONTACT = 0.5
+"""Share of the contact that may be lost at which its cost begins: room for what the samples do not see."""
+
+FLAT_TURN = 0.05
+"""Sine: corners that turn by less cost something, so that trunks stay convex without standing at the limit."""
+
+FLAT_WEIGHT = 0.01
+"""IoU: what a corner costs that does not turn at all; it costs in proportion to the square of what is missing."""
+
+FULLEST_STRAIN = 0.98
+"""Share of the strain that is allowed to which amplitudes are made smaller that exceed it: room for what is not in
+proportion."""
+
+STRAIN_TRIALS = 4
+"""How often amplitudes are made smaller until the strain is as allowed; after that the step is refused."""
+
+LARGE_TURN = 0.2
+"""Radians: where the interior turns by more anywhere, modes are computed anew on the bent shape."""
+
+EXACT_BOUND = 0.9993
+"""IoU: a plan with a greater bound is as good as exact, for the scanlines of a maximisation see no finer, and is not
+bent."""

@@ -1,4 +1,5 @@
 from . import field as field
+from .bend import BendParameters as BendParameters
 from .construct import ConstructParameters as ConstructParameters
 from .convexity import ConvexityParameters as ConvexityParameters
 from .crs import CrsParameters as CrsParameters
