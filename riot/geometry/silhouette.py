@@ -48,7 +48,12 @@ def read_image(path: str | os.PathLike[str], parameters: ShapeParameters | None 
     3.9
     """
     chosen = parameters or ShapeParameters()
-    picture = decode(path, chosen.max_pixels)
+    try:
+        picture = decode(path, chosen.max_pixels)
+    except SilhouetteError as error:
+        if error.reason == "not-a-picture" and svg_outline.looks_like_svg(path):  # which `read` does not bring here
+            raise SilhouetteError(error.reason, f"{path}: an SVG file, which Shape.from_svg reads") from error
+        raise
     return picture_shape(picture, Path(path).stem, str(path), chosen)
 
 
@@ -67,7 +72,13 @@ def read_svg(path: str | os.PathLike[str], parameters: ShapeParameters | None = 
     'square'
     """
     chosen = parameters or ShapeParameters()
-    return outline_shape(svg_outline.outline(path), Path(path).stem, str(path), chosen, y_down=True)
+    try:
+        outline = svg_outline.outline(path)
+    except SilhouetteError as error:
+        if Path(path).is_file() and not svg_outline.looks_like_svg(path):  # which `read` does not bring here
+            raise SilhouetteError(error.reason, f"{path}: no SVG file; Shape.from_image reads pictures") from error
+        raise
+    return outline_shape(outline, Path(path).stem, str(path), chosen, y_down=True)
 
 
 def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:

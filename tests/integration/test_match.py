@@ -150,8 +150,7 @@ def test_a_shape_without_trunks_has_no_partners(
 def test_what_is_no_picture_is_refused(mined: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "bad.png" in refused(capsys, mined, mined / "pictures" / "bad.png")
     assert "absent.png: No such file" in refused(capsys, mined, tmp_path / "absent.png")
-    with pytest.raises(SystemExit):
-        main(["match", "a.png", "--in", str(mined), "--top", "0"])
+    assert main(["match", "a.png", "--in", str(mined), "--top", "0"]) == BAD
     assert "'0' is not a whole number above 0" in capsys.readouterr().err
 
 

@@ -236,10 +236,10 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("options", "message"),
         [
-            (["--count", "2", "--thickness", "3"], "thickness_mm: must be 6 to 30 mm, got 3.0"),
+            (["--count", "2", "--thickness", "3"], "--thickness: must be 6 to 30 mm, got 3.0"),
             (["--count", "0"], "count is 0: give a number above 0"),
             (["--count", "2", "--thickness", "20", "--size", "90"], "leave one of count, thickness and size out"),
-            (["--count", "2", "--thickness", "20", "--pin", "99"], "pin_mm: must be 1.75 to 8 mm, got 99.0"),
+            (["--count", "2", "--thickness", "20", "--pin", "99"], "--pin: must be 1.75 to 8 mm, got 99.0"),
             (["--count", "2", "--thickness", "20", "--candidates", "0"], "--candidates 0: try one at least"),
         ],
     )
