@@ -8,7 +8,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 
 from pipeline import report, study, tables  # modules of theirs are loaded when something is written
@@ -29,7 +28,6 @@ from pipeline.store.storage_errors import writing_to
 from pipeline.tables.outputs import run_folder, swept
 from pipeline.tables.record import GALLERY, RECORD, REPORT, is_up_to_date, outcome_digest, write_record
 from pipeline.tables.results import Results
-from riot import kernels
 from riot.errors import MissingExtraError, needs_extra
 
 
@@ -106,7 +104,8 @@ def _unwritable(store: Location) -> StartError | None:
 def _run(config: Config, collection: Collection, listen: Listener, unwritable: StartError | None) -> RunOutcome:
     started, clock = datetime.now(UTC), time.perf_counter()
     folder = run_folder(config)
-    with open_run(config.store, config.cluster, partial(_compile, listen), listen, unwritable) as run:
+    stages = [stage for stage in STAGES if stage.wanted(config)]
+    with open_run(config.store, config.cluster, stages, listen, unwritable) as run:
         progress = run_stages(begin_run(config, collection, run.store), run)
     results = Results(progress, run.store, dict(run.failed), len(run.blocked), tuple(run.stages))
     digest = outcome_digest(results, assets_digest())
@@ -152,10 +151,6 @@ def run_stages(progress: Progress, run: Run) -> Progress:
             run.stage(stage, items)
         progress = progress.with_work(stage.name, items, frozenset(run.done), lost)
     return progress
-
-
-def _compile(listen: Listener) -> None:
-    kernels.warm.warm_all(lambda text: listen(Note(text)))
 
 
 def _report(folder: Path, listen: Listener) -> Path | None:

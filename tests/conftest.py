@@ -5,15 +5,14 @@ from __future__ import annotations
 import fcntl
 import os
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import hypothesis
 import pytest
-from shared import Once, warm
+from shared import Once
 
-from riot.kernels.warm import uncompiled
+from riot.kernels.compiling.cache import uncompiled
+from riot.kernels.warm import compile_modules
 
 # A machine under load is slow, which is no fault: what a hang is, the timeout of a test says.
 hypothesis.settings.register_profile("tests", deadline=None)
@@ -24,11 +23,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the numeric kernels where they are not, before any worker starts: that is no single test's time."""
     if "PYTEST_XDIST_WORKER" in os.environ or session.config.getoption("collectonly"):
         return
-    missing = uncompiled()
-    if missing:
-        session.config.get_terminal_writer().line(f"compiling the numeric kernels, once: {', '.join(missing)}")
-        with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as processes:
-            list(processes.map(warm, missing))
+    compile_modules(uncompiled(), session.config.get_terminal_writer().line)
 
 
 @pytest.fixture(scope="session")

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Iterator
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    Task,
+    TaskID,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.text import Text
 
-from pipeline.runtime.events import Event, ItemDone, Listener, Note, StageEnded, StageStarted
+from pipeline.runtime.events import Event, ItemDone, KernelsAwaited, Listener, Note, StageEnded, StageStarted
+
+SECONDS_BETWEEN_LINES = 5.0
 
 
 class _Rate(ProgressColumn):
@@ -18,6 +30,36 @@ class _Rate(ProgressColumn):
     def render(self, task: Task) -> Text:
         """See `ProgressColumn.render`."""
         return Text("" if task.speed is None else f"{task.speed:.2g}/s", style="cyan")
+
+
+class _Remaining(TimeRemainingColumn):
+    """The time that remains: by the speed of the bar, if nothing knows better."""
+
+    def render(self, task: Task) -> Text:
+        """See `ProgressColumn.render`."""
+        seconds = task.fields.get("seconds")
+        return super().render(task) if seconds is None else Text(f"{seconds:.0f} s", style="progress.remaining")
+
+
+class _AwaitedKernels:
+    """The wait of a stage for its kernels: a bar, and plain lines where there are no bars."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._task: TaskID | None = None
+        self._next_line = 0.0
+
+    def show(self, event: KernelsAwaited) -> None:
+        waiting = event.waiting
+        if self._task is None:
+            self._task = self._progress.add_task("kernels", total=waiting.total, cached=0, failed=0)
+        self._progress.update(self._task, completed=waiting.done, total=waiting.total, seconds=waiting.seconds)
+        if waiting.done == waiting.total:
+            self._progress.remove_task(self._task)
+            self._task, self._next_line = None, 0.0
+        elif self._progress.disable and time.monotonic() >= self._next_line:
+            self._progress.console.print(kernels_line(event))
+            self._next_line = time.monotonic() + SECONDS_BETWEEN_LINES
 
 
 @contextlib.contextmanager
@@ -31,12 +73,13 @@ def show_progress(console: Console) -> Iterator[Listener]:
         TextColumn("{task.fields[cached]} cached", style="green"),
         TextColumn("{task.fields[failed]} failed", style="red"),
         _Rate(),
-        TimeRemainingColumn(compact=True),
+        _Remaining(compact=True),
         console=console,
         transient=True,
         disable=not console.is_terminal,
     ) as progress:
         tasks = {}
+        awaited = _AwaitedKernels(progress)
 
         def listen(event: Event) -> None:
             if isinstance(event, StageStarted):
@@ -52,11 +95,23 @@ def show_progress(console: Console) -> Iterator[Listener]:
             elif isinstance(event, StageEnded):
                 progress.remove_task(tasks.pop(event.stage))
                 console.print(stage_line(event), highlight=False)
+            elif isinstance(event, KernelsAwaited):
+                awaited.show(event)
             elif isinstance(event, Note):
                 # File names and messages, as they are: to rich, brackets are colours, and colons pictograms.
                 console.print(event.text, highlight=False, markup=False, emoji=False)
 
         yield listen
+
+
+def kernels_line(event: KernelsAwaited) -> str:
+    """The wait of a stage for its kernels in one line.
+
+    >>> from riot.kernels.compiling.waiting import Waiting
+    >>> kernels_line(KernelsAwaited("trunks", Waiting(3, 5, 11.7)))
+    'trunks         waits for kernels: 3 of 5 modules, about 12 s remain'
+    """
+    return f"{event.stage:<14} waits for kernels: {event.waiting}"
 
 
 def stage_line(event: StageEnded) -> str:

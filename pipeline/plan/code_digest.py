@@ -31,6 +31,11 @@ def code_digests(module: str) -> dict[str, str]:
     return PROJECT.digests(module)
 
 
+def modules_of(module: str) -> tuple[str, ...]:
+    """The modules of this project that ``module`` imports, directly or not, itself included."""
+    return PROJECT.closure(module).modules
+
+
 def file_digest(module: str) -> str:
     """The digest of all of a module's code, whatever it imports."""
     return PROJECT.file_digest(module)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from riot.kernels.compiling.waiting import Waiting
+
 
 @dataclass(frozen=True)
 class StageStarted:
@@ -51,5 +53,13 @@ class Note:
     text: str
 
 
-Event = StageStarted | ItemDone | StageEnded | Note
+@dataclass(frozen=True)
+class KernelsAwaited:
+    """A stage waits for its kernels: how many modules of them are compiled, and how long the others will take."""
+
+    stage: str
+    waiting: Waiting
+
+
+Event = StageStarted | ItemDone | StageEnded | KernelsAwaited | Note
 Listener = Callable[[Event], None]

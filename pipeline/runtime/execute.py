@@ -14,6 +14,7 @@ from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.clusters import Bundle, Executor, SyncExecutor, open_cluster
 from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
 from pipeline.runtime.retries import MACHINE_FAULTS, MACHINE_TRIES
+from pipeline.runtime.stage_kernels import StageKernels
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
 from pipeline.stages.stage import Stage
@@ -35,6 +36,7 @@ class Run:
     listen: Listener
     cluster: Callable[[], Executor]
     unwritable: StartError | None = None
+    kernels: StageKernels = field(default_factory=StageKernels)
     done: set[Reference] = field(default_factory=set)
     failed: dict[Reference, Failure] = field(default_factory=dict)
     blocked: set[Reference] = field(default_factory=set)
@@ -55,10 +57,11 @@ class Run:
         ready = {ref: item for ref, item in unique.items() if ref not in cached and self.done.issuperset(item.sources)}
         self.blocked |= unique.keys() - cached.keys() - ready.keys()
         spent: list[Receipt] = []
+        waited = 0.0
         if ready:
             if self.unwritable is not None:
                 raise self.unwritable
-            executor = SyncExecutor() if stage.here else self.cluster()
+            executor, waited = self._executor(stage)
             spent = self._work(executor, ready)
         ended = StageEnded(
             stage=stage.name,
@@ -67,7 +70,7 @@ class Run:
             computed=sum(reference in self.done for reference in ready),
             failed=sum(reference in self.failed for reference in ready),
             blocked=len(unique) - len(cached) - len(ready),
-            seconds=time.perf_counter() - started,
+            seconds=time.perf_counter() - started - waited,
             cpu_seconds=sum(receipt.cpu_seconds for receipt in spent),
             stored_seconds=self._stored_seconds(unique.keys(), cached),
             peak_mb=max((receipt.peak_mb for receipt in spent), default=0.0),
@@ -83,7 +86,8 @@ class Run:
             item.reference: item for item, (state, _) in zip(items, states, strict=True) if state is not State.PRESENT
         }
         if missing:
-            trial._work(self.cluster(), missing)
+            executor, _ = self._executor(BY_NAME[items[0].stage])
+            trial._work(executor, missing)
         return trial.failed
 
     def adopt(self, failed: WorkItem, joined: WorkItem, parts: Sequence[WorkItem], artifact: Artifact) -> None:
@@ -126,6 +130,14 @@ class Run:
                     peak_mb=max(ended.peak_mb, earlier.peak_mb),
                 )
         return ended
+
+    def _executor(self, stage: Stage) -> tuple[Executor, float]:
+        """What runs the work items of a stage, whose kernels are then compiled, and the seconds it waited for them."""
+        if stage.here:
+            return SyncExecutor(), 0.0
+        self.kernels.start(stage)  # they compile while the cluster opens
+        executor = self.cluster()
+        return executor, self.kernels.wait(stage)
 
     def _work(self, executor: Executor, ready: dict[Reference, WorkItem]) -> list[Receipt]:
         spent: list[Receipt] = []
@@ -191,18 +203,18 @@ def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:
 def open_run(
     root: Location,
     cluster: ClusterConfig,
-    prepare: Callable[[], None],
+    stages: Sequence[Stage],
     listen: Listener,
     unwritable: StartError | None = None,
 ) -> Iterator[Run]:
-    """A run whose cluster is opened with the first work item that needs it, after ``prepare`` (compiling kernels)."""
+    """A run through ``stages``: the cluster is opened, and kernels are compiled, with the first work item of them."""
     with contextlib.ExitStack() as stack:
         opened: list[Executor] = []
+        kernels = stack.enter_context(StageKernels(stages, listen))
 
         def executor() -> Executor:
             if not opened:
-                prepare()
                 opened.append(stack.enter_context(open_cluster(cluster, root, listen)))
             return opened[0]
 
-        yield Run(Store(root), listen, executor, unwritable)
+        yield Run(Store(root), listen, executor, unwritable, kernels)

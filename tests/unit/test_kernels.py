@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import ast
 import importlib
-import pkgutil
 from pathlib import Path
 
 import pytest
 
 import riot.kernels
+from riot.kernels.compiling.uses import kernel_modules
 from riot.kernels.warm import warm_all
 
-MODULES = sorted(
-    module.name
-    for module in pkgutil.iter_modules(riot.kernels.__path__)
-    if module.name not in {"forest", "options", "warm"}
-)
+MODULES = kernel_modules()
 
 
 @pytest.mark.parametrize("name", MODULES)
