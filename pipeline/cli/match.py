@@ -14,7 +14,7 @@ from riot.cli.inputs import PICTURE
 from riot.cli.output import Output
 from riot.cli.parser import EXIT_CODES, REFUSED, Parser
 from riot.cli.table import Table
-from riot.kernels.warm import warm_all
+from riot.kernels.warm import compile_used
 
 FOUND, NOTHING = 0, 1
 
@@ -41,7 +41,7 @@ def add_options(parser: Parser) -> None:
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     clock = _Clock()
-    warm_all(output.note)
+    compile_used(output.note, __name__)
     clock.lap("kernels ready")
     mined = open_mined(chosen.run_folder, chosen.store)
     clock.lap("run read and checked")

@@ -19,7 +19,7 @@ from pipeline.study.findings import Findings, write_findings
 from pipeline.study.finished import StudiedRun
 from pipeline.tables.outputs import run_folder
 from pipeline.tables.record import RECORD, STUDY
-from riot.kernels.warm import warm_all
+from riot.kernels.warm import compile_used
 from riot.parameters import ParameterGroup
 
 Say = Callable[[str], None]
@@ -52,7 +52,7 @@ def make_study(name: str, study: Study, arguments: Sequence[str], say: Say) -> t
         )
     moved = any(argument.startswith("store=") for argument in run_arguments)
     finished = StudiedRun.open(folder, config.store if moved else None)
-    warm_all(say)
+    compile_used(say, study.__name__)
     findings = study.study(finished, parameters, say)
     page = write_findings(findings, folder / STUDY / name)
     write_contents(folder)

@@ -26,7 +26,7 @@ from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.strip import draw_strip
 from riot.draw.texture.names import SIDES, Side
 from riot.errors import TrunkError
-from riot.kernels.warm import warm_all
+from riot.kernels.warm import compile_used
 from riot.motion.planner import with_motion
 from riot.parameters import (
     ConstructParameters,
@@ -131,7 +131,7 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, "a file, where results need a folder", str(folder))
     folder.mkdir(parents=True, exist_ok=True)
-    warm_all(output.note)
+    compile_used(output.note, __name__)
     scores = {"qcrs": qcrs(a, b).score, "crs": crs(a, b).score}
     output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
     parameters = ConstructParameters(method=wishes.method)

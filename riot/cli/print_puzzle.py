@@ -18,6 +18,7 @@ from riot.fabricate import export
 from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
+from riot.kernels.warm import compile_used
 from riot.transform.riot_file import load
 
 
@@ -63,6 +64,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     def write_paper(folder: Path) -> None:
         export.paperwork.write_paperwork(puzzle.design, folder, textures, dxf=chosen.dxf)
 
+    compile_used(output.note, __name__)
     puzzle = (fix if chosen.fix else build)(transform, parameters)
     _show(puzzle, output)
     if not puzzle.certificate.passed:

@@ -21,7 +21,7 @@ from riot.fabricate import export
 from riot.fabricate.export.folder import check_folder
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
-from riot.kernels.warm import warm_all
+from riot.kernels.warm import compile_used
 from riot.parameters import ShapeParameters
 from riot.transform.deformation import overlap_ratios
 
@@ -111,7 +111,7 @@ def slice_model(
         raise TrunkError(f"--candidates {chosen.candidates}: try one at least")
     how = slices.Cut(chosen.count, chosen.thickness, chosen.size, chosen.along, parameters.layer_mm)
     stack = slices.cut(slices.read_model(chosen.model), how)
-    warm_all(output.note)
+    compile_used(output.note, __name__)
     # With so many candidates each, as many slices as there are can take one of their own.
     keep = max(chosen.candidates, len(stack.slices)) if chosen.distinct else chosen.candidates
     outcomes = slices.make_puzzles(

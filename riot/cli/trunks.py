@@ -9,7 +9,7 @@ from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.table import Table
 from riot.construction.trunk_choice import alternatives
-from riot.kernels.warm import warm_all
+from riot.kernels.warm import compile_used
 
 
 def add_options(parser: Parser) -> None:
@@ -21,7 +21,7 @@ def add_options(parser: Parser) -> None:
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     a, b = read_inputs(chosen.a, chosen.b)
-    warm_all(output.note)
+    compile_used(output.note, __name__)
     pairs = [
         {"rank": rank, "pieces": len(plan.trunk_p), "bound_p": plan.bound_p, "bound_q": plan.bound_q}
         for rank, plan in enumerate(alternatives(a, b, pieces=chosen.pieces), start=1)

@@ -24,7 +24,7 @@ def compile_used(report: Report, *modules: str) -> None:
     This takes half a minute once after installation and after a change; processes do it, one for each core. ``report``
     then gets a line now and then: how many modules are compiled, and how long the others will take.
 
-    >>> compile_used(print, "riot.transform.fidelity")
+    >>> compile_used(print, "riot.geometry.polyline")
     """
     if missing := uncompiled():
         needed = set(kernels_used_by(*modules))

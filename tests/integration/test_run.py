@@ -16,6 +16,7 @@ from pathlib import Path
 import duckdb
 import geopandas
 import numpy as np
+import psutil
 import pyarrow.parquet as pq
 import pytest
 import shapely
@@ -238,6 +239,32 @@ def test_an_interrupt_says_how_to_go_on(root: Path, tmp_path: Path) -> None:
         _, complaint = process.communicate(timeout=120)
     assert process.returncode == INTERRUPTED
     assert "the same command goes on" in complaint and "Traceback" not in complaint
+
+
+@pytest.mark.system
+@pytest.mark.skipif(os.name != "posix", reason="process groups are POSIX")
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
+def test_what_ends_a_run_ends_the_compilation_of_kernels(root: Path, tmp_path: Path, end: signal.Signals) -> None:
+    with subprocess.Popen(
+        command(tmp_path, root, "cluster=sync"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "kernels"), "PYTHONUNBUFFERED": "1"},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:
+        assert process.stdout is not None
+        lines = iter(process.stdout)
+        assert any(line.startswith("compiling 1") for line in lines)  # more than nine modules
+        assert "ingest         waits for kernels: 0 of 1 modules" in next(lines)
+        compilers = psutil.Process(process.pid).children(recursive=True)
+        assert compilers
+        process.send_signal(end)
+        process.communicate(timeout=20)
+    assert process.returncode == (INTERRUPTED if end is signal.SIGINT else -end)
+    _, alive = psutil.wait_procs(compilers, timeout=20)
+    assert alive == []
 
 
 def test_bad_pictures_are_rows_and_the_run_goes_on(root: Path, tmp_path: Path) -> None:

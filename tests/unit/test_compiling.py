@@ -25,8 +25,8 @@ LIBRARY = sorted(
     if path.name != "__init__.py"
 )
 
-SMALL = "fidelity"
-"""A module of one kernel."""
+SMALL = "enumerate"
+"""A small module."""
 
 COMPILE = f"""
 import sys
@@ -34,10 +34,10 @@ from riot.kernels.compiling.cache import cache_folder, uncompiled
 from riot.kernels.warm import compile_used
 compile_used(lambda text: print("says", text), "riot.kernels.{SMALL}")
 print("loaded", "numba" in sys.modules)
-from riot.kernels.{SMALL} import warm, warped_difference
+from riot.kernels.{SMALL} import warm, enumerate_convex
 warm()
-print("folders", cache_folder(), warped_difference.stats.cache_path)
-print("compiled", sum(warped_difference.stats.cache_misses.values()), uncompiled(["{SMALL}"]))
+print("folders", cache_folder(), enumerate_convex.stats.cache_path)
+print("compiled", sum(enumerate_convex.stats.cache_misses.values()), uncompiled(["{SMALL}"]))
 """
 
 

@@ -78,9 +78,16 @@ def _folders() -> Iterator[Path]:
     if chosen:
         yield Path(chosen, apart)
     yield FOLDER / "__pycache__"
-    import platformdirs  # only where it is needed
+    yield _user_cache() / apart
 
-    yield platformdirs.user_cache_path("numba", appauthor=False) / apart
+
+def _user_cache() -> Path:
+    """The folder that Numba has in the user's cache."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local", "numba", "Cache")
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "numba"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "numba")
 
 
 def _is_writable(folder: Path) -> bool:

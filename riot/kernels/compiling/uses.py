@@ -23,8 +23,8 @@ _COMMENT = re.compile(r"#.*")
 def kernels_used_by(*modules: str) -> list[str]:
     """The modules of `riot.kernels` that ``modules`` use, sorted, such as ``search``; each by its full name.
 
-    >>> kernels_used_by("riot.transform.fidelity")
-    ['fidelity']
+    >>> kernels_used_by("riot.geometry.polyline")
+    ['simplify']
     """
     pending, reached = list(modules), set(modules)
     while pending:
