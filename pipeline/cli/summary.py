@@ -3,45 +3,56 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 
 import pyarrow.parquet as pq
 from rich.console import Console
-from rich.table import Table
 
+from pipeline.cli.progress import duration
 from pipeline.flow import RunOutcome
 from pipeline.report.comparison import read_comparison
 from pipeline.tables.messages import sentences, several
 from pipeline.tables.record import counts
 from pipeline.tables.results import Row
+from riot.cli.table import Table
 
 BEST = 10
 """Transforms in the summary; the report has the others (ours)."""
+
+LONGEST_NAME = 22
+"""Characters of a name in the summary, so that a row fits a terminal of 80 columns (ours)."""
 
 REASONS = 3
 """Kinds of errors in the summary; errors.parquet has the others (ours)."""
 
 
 def show_outcome(outcome: RunOutcome, console: Console, *, verbose: bool = False) -> None:
-    """Print the summary of a finished run; ``verbose`` lists all transforms and kinds of errors."""
-    console.print(_counts(outcome), markup=False)
+    """Print the summary of a finished run; ``verbose`` adds times, and all transforms and kinds of errors."""
+
+    def show(text: str) -> None:
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    show(_counts(outcome))
     if outcome.results.pairs:
-        console.print(_best(outcome, None if verbose else BEST), markup=False)
-    console.print(_times(outcome))
+        for line in _best(outcome, None if verbose else BEST):
+            show(line)
+    if verbose:
+        for line in _times(outcome).lines():
+            show(line)
     for sentence in sentences(counts(outcome.results), outcome.results.config.select.policy):
-        console.print(sentence, highlight=False, markup=False, soft_wrap=True)
+        show(sentence)
     compared = read_comparison(_rows(outcome, "transforms"), _rows(outcome, "timings"))
     if compared is not None:
-        console.print(compared.sentence, highlight=False, markup=False, soft_wrap=True)
+        show(compared.sentence)
     if outcome.results.search is not None:
-        sentence = outcome.results.search.sentence(_kept(outcome))
-        console.print(sentence, highlight=False, markup=False, soft_wrap=True)
+        show(outcome.results.search.sentence(_kept(outcome)))
     _errors(outcome, console, None if verbose else REASONS)
     if all(stage.computed + stage.failed == 0 for stage in outcome.results.stages):
         kept = "" if outcome.written else " and the tables are up to date"
-        console.print(f"Everything cached: nothing was computed{kept} ({outcome.seconds:.1f} s).", highlight=False)
-    console.print(f"Tables: {outcome.folder}", highlight=False, soft_wrap=True, markup=False)
+        show(f"Everything cached: nothing was computed{kept} ({outcome.seconds:.1f} s).")
+    show(f"Tables: {outcome.folder}")
     if outcome.report is not None:
-        console.print(f"Report: {outcome.report}", highlight=False, soft_wrap=True, markup=False)
+        show(f"Report: {outcome.report}")
 
 
 def _kept(outcome: RunOutcome) -> int:
@@ -55,53 +66,52 @@ def _rows(outcome: RunOutcome, name: str) -> list[Row]:
     return rows
 
 
-def _counts(outcome: RunOutcome) -> Table:
+def _counts(outcome: RunOutcome) -> str:
     run_counts = counts(outcome.results)
-    table = Table(title=f"Run of {outcome.results.collection.name}", title_justify="left")
-    names = ["shapes", "rejected_items", "pairs", "selected", "certified", "rejected", "errors"]
+    parts = [
+        several(run_counts["shapes"], "shape"),
+        several(run_counts["pairs"], "pair") + " scored",
+        f"{run_counts['selected']:,} selected",
+        several(run_counts["certified"], "transform") + " certified",
+    ]
     if run_counts["approximate"]:
-        names.insert(names.index("rejected"), "approximate")
-    for name in names:
-        table.add_column("no shape" if name == "rejected_items" else name, justify="right")
-    table.add_row(*(f"{run_counts[name]:,}" for name in names))
-    return table
+        parts.append(f"{run_counts['approximate']:,} approximate")
+    if run_counts["rejected"]:
+        parts.append(f"{run_counts['rejected']:,} rejected")
+    return f"{outcome.results.collection.name}: {', '.join(parts)}, in {duration(outcome.seconds)}."
 
 
-def _best(outcome: RunOutcome, most: int | None) -> Table:
-    table = Table(title="Best transforms, least deformed first", title_justify="left")
-    for title, justify in (("", "right"), ("P", "left"), ("Q", "left"), ("n", "right")):
-        table.add_column(title, justify=justify, max_width=30)  # type: ignore[arg-type]
-    for title in ("QCRS", "CRS", "IoU P ≤ bound", "IoU Q ≤ bound", "Hausdorff/L_c", "residual"):
-        table.add_column(title, justify="right")
+def _best(outcome: RunOutcome, most: int | None) -> Iterator[str]:
     rows = _rows(outcome, "transforms")
-    for row in [row for row in rows if row["status"] != "rejected"][:most]:
-        residual = max(abs(row[name]) for name in ("overlap_p", "overlap_q", "gap_p", "gap_q"))
-        table.add_row(
+    shown = [
+        (
             str(row["rank"]),
-            row["name_i"],
-            row["name_j"],
+            _short(row["name_i"]),
+            _short(row["name_j"]),
             str(row["n"]),
-            f"{row['qcrs']:.3f}",
+            f"{row['iou']:.3f}",
+            f"{min(row['bound_p'], row['bound_q']):.3f}",
             f"{row['crs']:.3f}",
-            f"{row['iou_p']:.3f} ≤ {row['bound_p']:.3f}",
-            f"{row['iou_q']:.3f} ≤ {row['bound_q']:.3f}",
-            f"{max(row['hausdorff_p'], row['hausdorff_q']):.4f}",
-            f"{residual:.0e}",
+            f"{row['qcrs']:.3f}",
         )
+        for row in [row for row in rows if row["status"] != "rejected"][:most]
+    ]
+    if shown:
+        columns = ("", "P", "Q", "pieces", "IoU", "bound", "CRS", "QCRS")
+        yield from Table(columns, shown, "Best transforms, least deformed first", left=("P", "Q")).lines()
     rejected = Counter(row["reason"] for row in rows if row["status"] == "rejected")
     if rejected:
-        reasons = ", ".join(f"{count} × {reason}" for reason, count in rejected.most_common())
-        table.caption = f"rejected: {reasons}"
-    return table
+        yield f"Rejected: {', '.join(f'{count} × {reason}' for reason, count in rejected.most_common())}."
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
 
 
 def _times(outcome: RunOutcome) -> Table:
-    table = Table(title="Time per stage", title_justify="left")
-    table.add_column("stage")
-    for title in ("items", "cached", "computed", "failed", "wall s", "cpu s", "stored s", "peak MiB"):
-        table.add_column(title, justify="right")
-    for stage in outcome.results.stages:
-        table.add_row(
+    columns = ("stage", "items", "in store", "computed", "failed", "wall s", "CPU s", "peak MiB")
+    rows = [
+        (
             stage.stage,
             f"{stage.total:,}",
             f"{stage.cached:,}",
@@ -109,12 +119,12 @@ def _times(outcome: RunOutcome) -> Table:
             f"{stage.failed + stage.blocked:,}",
             f"{stage.seconds:.1f}",
             f"{stage.cpu_seconds:.1f}",
-            f"{stage.stored_seconds:.1f}",
             f"{stage.peak_mb:.0f}" if stage.computed else "",
         )
-    table.add_section()
-    table.add_row("whole run", "", "", "", "", f"{outcome.seconds:.1f}", "", "", "")
-    return table
+        for stage in outcome.results.stages
+    ]
+    whole = ("whole run", "", "", "", "", f"{outcome.seconds:.1f}", "", "")
+    return Table(columns, [*rows, whole], "Time by stage", left=("stage",), totals=1)
 
 
 def _errors(outcome: RunOutcome, console: Console, most: int | None) -> None:

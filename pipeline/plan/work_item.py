@@ -22,7 +22,7 @@ class WorkItem:
 
     ``sources`` are the artifacts that it reads; ``spec`` is the third argument of its stage's ``run``. ``members`` are
     the positions of the collection's items that it concerns: all of a batch, two of a pair. ``block`` numbers the two
-    batches, or the batch and the shard, between which it lies.
+    batches, or the batch and the shard, between which it lies; ``pairs`` is how many pairs of shapes lie there.
     """
 
     parts: KeyParts
@@ -31,6 +31,7 @@ class WorkItem:
     spec: Any
     members: tuple[int, ...]
     block: Pair | None = None
+    pairs: int = 0
 
     @property
     def stage(self) -> str:
@@ -74,9 +75,10 @@ class Recipe:
         spec: Any = None,
         members: Sequence[int] = (),
         block: Pair | None = None,
+        pairs: int = 0,
     ) -> WorkItem:
         """A work item whose key has these parts."""
-        return WorkItem(parts, self.parameters, tuple(sources), spec, tuple(members), block)
+        return WorkItem(parts, self.parameters, tuple(sources), spec, tuple(members), block, pairs)
 
     def after(self, earlier: WorkItem) -> WorkItem:
         """The work item that reads only the artifact of an ``earlier`` one, with the same members."""

@@ -10,28 +10,35 @@ from riot.kernels.compiling.waiting import Waiting
 
 @dataclass(frozen=True)
 class StageStarted:
-    """A stage begins: work items in all, those already in the store, and those whose artifact was damaged."""
+    """A stage begins: work items in all, those already in the store, and those whose artifact was damaged.
+
+    ``counted`` is what progress counts, "shapes" or "pairs"; ``amount`` is how many of them the missing items concern.
+    """
 
     stage: str
     unit: str
     total: int
     cached: int
     corrupt: int
+    counted: str = ""
+    amount: int = 0
 
 
 @dataclass(frozen=True)
 class ItemDone:
-    """A work item of the stage has ended."""
+    """A work item of the stage has ended, which concerns this ``amount`` of shapes or pairs."""
 
     stage: str
     failed: bool
+    amount: int = 1
 
 
 @dataclass(frozen=True)
 class StageEnded:
     """A stage is over. Times are of this run, in seconds; ``stored_seconds`` is what all its artifacts once cost.
 
-    ``blocked`` items were not tried because an input had failed.
+    ``blocked`` items were not tried because an input had failed. All items concern ``amount`` shapes or pairs, as
+    ``counted`` says, and those that were in the store ``stored_amount`` of them.
     """
 
     stage: str
@@ -44,6 +51,9 @@ class StageEnded:
     cpu_seconds: float
     stored_seconds: float
     peak_mb: float
+    counted: str = ""
+    amount: int = 0
+    stored_amount: int = 0
 
 
 @dataclass(frozen=True)

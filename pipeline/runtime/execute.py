@@ -52,7 +52,8 @@ class Run:
         states = dict(zip(unique, self.store.check_all(list(unique)), strict=True))
         cached = {reference: cost for reference, (state, cost) in states.items() if state is State.PRESENT}
         corrupt = sum(state is State.CORRUPT for state, _ in states.values())
-        self.listen(StageStarted(stage.name, stage.unit, len(unique), len(cached), corrupt))
+        missing = sum(stage.amount(item) for reference, item in unique.items() if reference not in cached)
+        self.listen(StageStarted(stage.name, stage.unit, len(unique), len(cached), corrupt, stage.counted, missing))
         self.done |= cached.keys()
         ready = {ref: item for ref, item in unique.items() if ref not in cached and self.done.issuperset(item.sources)}
         self.blocked |= unique.keys() - cached.keys() - ready.keys()
@@ -74,6 +75,9 @@ class Run:
             cpu_seconds=sum(receipt.cpu_seconds for receipt in spent),
             stored_seconds=self._stored_seconds(unique.keys(), cached),
             peak_mb=max((receipt.peak_mb for receipt in spent), default=0.0),
+            counted=stage.counted,
+            amount=(amount := sum(stage.amount(item) for item in unique.values())),
+            stored_amount=amount - missing,
         )
         self.stages = [*(earlier for earlier in self.stages if earlier.stage != stage.name), self._with_earlier(ended)]
         self.listen(ended)
@@ -157,7 +161,8 @@ class Run:
                 else:
                     failure = receipt.failure
                     self.failed[reference] = replace(failure, attempts=failure.attempts + tries - 1)
-                self.listen(ItemDone(receipt.stage, receipt.failure is not None))
+                amount = BY_NAME[receipt.stage].amount(ready[reference])
+                self.listen(ItemDone(receipt.stage, receipt.failure is not None, amount))
             if not again:
                 break
             pending = again

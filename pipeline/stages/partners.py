@@ -152,6 +152,7 @@ def items(progress: Progress) -> list[WorkItem]:
                     spec=position,
                     members=trunks[b].members,
                     block=(b, s),
+                    pairs=len(trunks[b].members) * len(shard.members),
                 )
             )
     return work

@@ -66,6 +66,7 @@ def items(progress: Progress) -> list[WorkItem]:
     for a, first in enumerate(trunks):
         for b, second in enumerate(trunks[a:], start=a):
             both = (first,) if a == b else (first, second)
+            m, n = len(first.members), len(second.members)
             blocks.append(
                 recipe.item(
                     recipe.parts([item.key for item in both]),
@@ -73,6 +74,7 @@ def items(progress: Progress) -> list[WorkItem]:
                     spec=a == b,
                     members=[position for item in both for position in item.members],
                     block=(a, b),
+                    pairs=m * (m - 1) // 2 if a == b else m * n,
                 )
             )
     return blocks

@@ -19,6 +19,15 @@ Scope = Literal["batch", "block", "collection", "shape", "pair"]
 """The extent of a work item: a batch of shapes, the pairs between two batches (or a batch and a shard), the whole
 collection, a shape, or a pair."""
 
+COUNTED: Mapping[Scope, str] = {
+    "batch": "shapes",
+    "shape": "shapes",
+    "block": "pairs",
+    "pair": "pairs",
+    "collection": "",
+}
+"""What a work item of each scope has several of, in the plural; of a collection there is one."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -162,6 +171,17 @@ class Stage:
     def is_due(self, items: Sequence[WorkItem]) -> bool:
         """Whether a run goes through the stage: a run skips an optional stage of pairs that has nothing to do."""
         return bool(items) or not (self.optional and self.scope == "pair")
+
+    @property
+    def counted(self) -> str:
+        """What progress counts: shapes, pairs, or nothing."""
+        return COUNTED[self.scope]
+
+    def amount(self, item: WorkItem) -> int:
+        """How many shapes or pairs a work item of the stage concerns."""
+        if self.scope == "block":
+            return item.pairs
+        return len(item.members) if self.counted == "shapes" else 1
 
     @property
     def module(self) -> str:

@@ -63,7 +63,7 @@ def test_only_missing_items_run_and_each_once(tmp_path: Path) -> None:
     later = run(tmp_path, second, events)
     later.stage(BY_NAME["crs"], [item("a"), item("b"), item("c")])
     assert second.seen == ["c"]
-    assert events[0] == StageStarted("crs", "pairs", 3, 2, 0)
+    assert events[0] == StageStarted("crs", "pairs", 3, 2, 0, "pairs", 1)
     assert events[1] == ItemDone("crs", False)
     ended = events[2]
     assert isinstance(ended, StageEnded) and (ended.total, ended.cached, ended.computed, ended.failed) == (3, 2, 1, 0)
@@ -89,7 +89,7 @@ def test_damage_is_reported_and_mended(tmp_path: Path) -> None:
     events: list[Event] = []
     executor = Scripted()
     run(tmp_path, executor, events).stage(BY_NAME["crs"], [item("a"), item("b")])
-    assert executor.seen == ["a"] and events[0] == StageStarted("crs", "pairs", 2, 1, 1)
+    assert executor.seen == ["a"] and events[0] == StageStarted("crs", "pairs", 2, 1, 1, "pairs", 1)
     assert store.state("crs", item("a").key) is State.PRESENT
 
 
