@@ -28,6 +28,8 @@ Say = Callable[[str], None]
 class Study(Protocol):
     """A module that is a study: ``Parameters`` is a group of parameters with defaults."""
 
+    __name__: str
+
     @property
     def Parameters(self) -> type[ParameterGroup]: ...
 
