@@ -12,7 +12,8 @@ from riot.kernels.compiling.waiting import Waiting
 class StageStarted:
     """A stage begins: work items in all, those already in the store, and those whose artifact was damaged.
 
-    ``counted`` is what progress counts, "shapes" or "pairs"; ``amount`` is how many of them the missing items concern.
+    ``counted`` is what progress counts, "shapes" or "pairs"; ``amount`` is how many of them the items concern that are
+    computed now.
     """
 
     stage: str

@@ -52,11 +52,11 @@ class Run:
         states = dict(zip(unique, self.store.check_all(list(unique)), strict=True))
         cached = {reference: cost for reference, (state, cost) in states.items() if state is State.PRESENT}
         corrupt = sum(state is State.CORRUPT for state, _ in states.values())
-        missing = sum(stage.amount(item) for reference, item in unique.items() if reference not in cached)
-        self.listen(StageStarted(stage.name, stage.unit, len(unique), len(cached), corrupt, stage.counted, missing))
         self.done |= cached.keys()
         ready = {ref: item for ref, item in unique.items() if ref not in cached and self.done.issuperset(item.sources)}
         self.blocked |= unique.keys() - cached.keys() - ready.keys()
+        amount = sum(stage.amount(item) for item in ready.values())
+        self.listen(StageStarted(stage.name, stage.unit, len(unique), len(cached), corrupt, stage.counted, amount))
         spent: list[Receipt] = []
         waited = 0.0
         if ready:
@@ -76,8 +76,8 @@ class Run:
             stored_seconds=self._stored_seconds(unique.keys(), cached),
             peak_mb=max((receipt.peak_mb for receipt in spent), default=0.0),
             counted=stage.counted,
-            amount=(amount := sum(stage.amount(item) for item in unique.values())),
-            stored_amount=amount - missing,
+            amount=sum(stage.amount(item) for item in unique.values()),
+            stored_amount=sum(stage.amount(unique[reference]) for reference in cached),
         )
         self.stages = [*(earlier for earlier in self.stages if earlier.stage != stage.name), self._with_earlier(ended)]
         self.listen(ended)

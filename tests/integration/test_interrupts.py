@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from small_runs import CLEAN, INTERRUPTED, command, pictures, run_here
+from small_runs import CLEAN, INTERRUPTED, command, pictures, run_here, stages
 
 termios = pytest.importorskip("termios", reason="terminals are POSIX")
 fcntl = pytest.importorskip("fcntl")
@@ -24,6 +25,10 @@ CTRL_C = b"\x03"
 SECONDS_TO_END = 2.0
 BUSY = 4.0
 """How many times as long it may take here, where other tests run beside it: a thread must get its turn."""
+
+
+Ended = tuple[int, float, str, list[psutil.Process]]
+"""Exit code of a command, seconds from the interrupt to its end, its text, and the processes that are left."""
 
 
 class Terminal:
@@ -74,11 +79,18 @@ class Terminal:
                 assert self.process.poll() is None and time.monotonic() < deadline, self._text
                 self._changed.wait(0.01)
 
-    def press_ctrl_c(self) -> tuple[int, float, str, list[psutil.Process]]:
-        """Exit code, seconds it took, the text, and the processes that are left."""
+    def press_ctrl_c(self, times: int = 1) -> Ended:
+        """Press the key, which interrupts every process of the command."""
+        return self._ended(lambda: os.write(self._ours, times * CTRL_C))
+
+    def interrupt_alone(self) -> Ended:
+        """Interrupt the command's own process only."""
+        return self._ended(lambda: self.process.send_signal(signal.SIGINT))
+
+    def _ended(self, interrupt: Callable[[], object]) -> Ended:
         family = psutil.Process(self.process.pid).children(recursive=True)
         pressed = time.monotonic()
-        os.write(self._ours, CTRL_C)
+        interrupt()
         code = self.process.wait(timeout=60)
         seconds = time.monotonic() - pressed
         _, left = psutil.wait_procs(family, timeout=10)
@@ -96,8 +108,9 @@ def starts_workers(_: str, process: psutil.Process) -> bool:
 
 def works(stage: str) -> Callable[[str, psutil.Process], bool]:
     """A bar of the stage is shown, and a process beside a worker is there."""
+    bar = re.compile(rf"\b{stage} ")
     return lambda text, process: (
-        stage in text
+        bar.search(text) is not None
         and any("isolated_process" in " ".join(_command_line(child)) for child in process.children(recursive=True))
     )
 
@@ -124,10 +137,12 @@ MOMENTS = {
     "construct": works("construct"),
     "tables": shows("writing tables"),
     "report": shows("writing the report"),
+    "end": shows("Report: "),
 }
+AFTER_INGEST = list(MOMENTS)[list(MOMENTS).index("trunks") : -1]
 
 
-def check(ended: tuple[int, float, str, list[psutil.Process]]) -> None:
+def check(ended: Ended) -> None:
     code, seconds, text, left = ended
     assert code == INTERRUPTED, text
     assert "nterrupted" in text and "Traceback" not in text, text
@@ -140,8 +155,32 @@ def check(ended: tuple[int, float, str, list[psutil.Process]]) -> None:
 def test_a_run_ends_at_any_moment_and_goes_on_from_there(moment: str, root: Path, tmp_path: Path) -> None:
     terminal = Terminal(command(tmp_path, root, "cluster=local", "cluster.workers=1"), tmp_path)
     terminal.wait_for(MOMENTS[moment])
-    check(terminal.press_ctrl_c())
+    ended = terminal.press_ctrl_c()
+    if moment == "end" and ended[0] == CLEAN:
+        return  # it was over before the key arrived
+    check(ended)
     assert run_here(tmp_path, root, "cluster=sync").returncode == CLEAN
+    if moment in AFTER_INGEST:
+        assert stages(tmp_path)["ingest"]["computed"] == 0
+
+
+def test_while_kernels_compile(root: Path, tmp_path: Path) -> None:
+    arguments = command(tmp_path, root, "cluster=local", "cluster.workers=1")
+    terminal = Terminal(arguments, tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "kernels"))
+    terminal.wait_for(shows("modules compiled"))
+    check(terminal.press_ctrl_c())
+
+
+def test_a_second_press_ends_it_at_once(root: Path, tmp_path: Path) -> None:
+    terminal = Terminal(command(tmp_path, root, "cluster=local", "cluster.workers=1"), tmp_path)
+    terminal.wait_for(works("refine"))
+    check(terminal.press_ctrl_c(times=2))
+
+
+def test_an_interrupt_of_the_run_alone_ends_all(root: Path, tmp_path: Path) -> None:
+    terminal = Terminal(command(tmp_path, root, "cluster=local", "cluster.workers=1"), tmp_path)
+    terminal.wait_for(works("trunks"))
+    check(terminal.interrupt_alone())
 
 
 def test_without_workers_it_ends_in_the_run_itself(root: Path, tmp_path: Path) -> None:
