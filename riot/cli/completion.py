@@ -74,7 +74,10 @@ def table(root: Group, path: str = "") -> Iterator[str]:
 
 
 def _command_lines(command: Command, path: str) -> Iterator[str]:
-    parser = command.parser(path)
+    try:
+        parser = command.parser(path)
+    except ModuleNotFoundError:  # its extra is not installed: the command has nothing to complete yet
+        return
     parser.complete()
     for name, action in parser.options().items():
         if action.help == argparse.SUPPRESS:

@@ -266,3 +266,36 @@ def test_fish_completes(tmp_path: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
         assert done.stderr == ""
         assert [entry.partition("\t")[0].rpartition("=")[2] for entry in done.stdout.splitlines()] == words
+
+
+BASE = """
+import importlib.abc, sys
+EXTRAS = {"hydra", "omegaconf", "dask", "distributed", "pyarrow", "rich", "jinja2", "pooch", "platformdirs"}
+class Absent(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in EXTRAS:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+sys.meta_path.insert(0, Absent())
+from pipeline.cli.main import main
+sys.exit(main(sys.argv[1:]))
+"""
+"""A process that has the library alone, as without the extra for mining."""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("mine",), 2, "pip install 'riot-shapes[mine]'"),
+        (("cache", "du"), 2, "pip install 'riot-shapes[mine]'"),
+        (("show", "FILE"), 0, "certificate: passed"),
+        (("slices", "--help"), 0, "--into"),
+        (("completion", "bash"), 0, "make|o|--gif"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else None,
+)
+def test_the_library_alone_has_its_commands_and_names_the_extra_of_the_others(
+    arguments: tuple[str, ...], code: int, words: str, transform: Path
+) -> None:
+    command = [sys.executable, "-c", BASE, *(str(transform) if word == "FILE" else word for word in arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == code and words in done.stdout + done.stderr and "Traceback" not in done.stderr
