@@ -23,6 +23,7 @@ from . import tree_match as tree_match
 from . import trunk_choice as trunk_choice
 from . import tuning as tuning
 from .bend import BentPlan as BentPlan
+from .bend import bend_best as bend_best
 from .bend import bend_plan as bend_plan
 from .bend import bend_plans as bend_plans
 from .dissected_plan import DissectedPlan as DissectedPlan

@@ -19,7 +19,7 @@ from riot.construction.plan import ConstructionPlan, TrunkPair, plan_on
 from riot.construction.refine import refine
 from riot.construction.tuning import CONJUGATE_STEPS, EDGE_TOLERANCE, EXACT_BOUND, LARGE_TURN, SHARPNESS, SOFTEST
 from riot.geometry.bend import Bend, bent_by
-from riot.geometry.modes import Modes
+from riot.geometry.modes import Modes, modes
 from riot.geometry.polyline import is_simple
 from riot.kernels.conjugate import conjugated
 from riot.parameters import BendParameters, ConstructParameters, RefineParameters
@@ -47,6 +47,24 @@ class BentPlan:
     p: Bend
     q: Bend
     worth: float
+
+
+def bend_best(
+    plans: Sequence[ConstructionPlan],
+    parameters: BendParameters,
+    refinement: RefineParameters | None = None,
+    construction: ConstructParameters | None = None,
+) -> list[BentPlan]:
+    """Bend the most promising plans of one pair of shapes, of which there is at least one, as `bend_plans` (ours).
+
+    >>> from riot.construction import alternatives, construct_plan
+    >>> bent = bend_best(alternatives(house, kite), BendParameters(steps=8))
+    >>> construct_plan(bent[0].plan, ConstructParameters()).p is bent[0].p.bent
+    True
+    """
+    pair = plans[0].pair
+    modes_p, modes_q = (modes(shape, parameters.modes, parameters.straight) for shape in (pair.p, pair.q))
+    return bend_plans(plans, modes_p, modes_q, parameters, refinement, construction)
 
 
 def bend_plans(

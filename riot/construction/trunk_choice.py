@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy.typing as npt
 
+from riot.construction.bend import bend_best
 from riot.construction.dissected_plan import require_plan_contact
 from riot.construction.given_trunks import given_pair
 from riot.construction.pins import Pins
@@ -14,7 +15,7 @@ from riot.construction.plan_transform import construct_plan
 from riot.construction.refine import refine
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
-from riot.parameters import ConstructParameters, CrsParameters, RefineParameters, TrunkParameters
+from riot.parameters import BendParameters, ConstructParameters, CrsParameters, RefineParameters, TrunkParameters
 from riot.scores.crs import CrossScore, best_trunk_pairs
 from riot.scores.trunks import full_trunks
 from riot.transform.deformation import overlap_ratios
@@ -35,6 +36,7 @@ def construct(
     refinement: RefineParameters | None = None,
     pins: Pins | None = None,
     pieces: PieceCounts | None = None,
+    bend: BendParameters | None = None,
 ) -> Transform:
     """Construct an exact transform of a into b.
 
@@ -54,6 +56,10 @@ def construct(
         Sections of either outline to keep, or drawn anew (exact method).
     pieces : two int, optional
         Least and greatest number of pieces; any number by default. Given trunks have theirs.
+    bend : BendParameters, optional
+        With ``method="elastic"`` both shapes are bent a little first, and the transform is that of the bent shapes;
+        `riot.construction.bend.bend_best` tells how they are bent. Plans that are not bent are tried after those that
+        are. Not with pins.
 
     Raises
     ------
@@ -78,8 +84,16 @@ def construct(
         plans, unplanned = plan_pairs([pair], refinement)
         # Refined trunks may lose contact that the given ones have.
         plans = sorted({*refine_best(plans, refinement), *plans}, key=lambda plan: -plan.bound)
-        return construct_plans(plans, unplanned, parameters, pins)
-    plans, unplanned = find_plans(a, b, refinement, pieces)
+    else:
+        plans, unplanned = find_plans(a, b, refinement, pieces)
+    if bend is not None and bend.method == "elastic" and plans:
+        if pins:
+            raise ConstructionError("pins", "pins are sections of the inputs' outlines: bend.method=off keeps these")
+        bent = bend_best(plans, bend, refinement, parameters)
+        try:
+            return construct_plans([one.plan for one in bent], unplanned, parameters)
+        except ConstructionError:
+            pass  # as they are the shapes may be cut
     return construct_plans(plans, unplanned, parameters, pins)
 
 

@@ -17,7 +17,7 @@ class BendParameters(ParameterGroup):
     )
     modes: int = parameter(16, at_least=1, at_most=64, meaning="Elastic modes of each shape along which it may bend.")
     weight: float = parameter(
-        0.5,
+        1.0,
         at_least=0,
         meaning="Mean squared strain costs so much IoU: the greater, the less shapes bend.",
     )

@@ -18,7 +18,7 @@ from riot.construction.bent_side import BentSide
 from riot.construction.given_trunks import given_pair
 from riot.construction.plan import ConstructionPlan, plan_pair
 from riot.construction.plan_transform import construct_plan
-from riot.construction.trunk_choice import plan_pairs, refine_best, trunk_pairs
+from riot.construction.trunk_choice import construct, plan_pairs, refine_best, trunk_pairs
 from riot.geometry.bend import bend_shape
 from riot.geometry.modes import Modes, modes
 from riot.geometry.polyline import edge_lengths, is_simple
@@ -137,7 +137,7 @@ def test_bending_does_not_depend_on_how_often_it_is_done() -> None:
 
 
 def test_the_greater_the_weight_the_less_shapes_bend() -> None:
-    strains = []
+    strains: list[float] = []
     for weight in (0.1, 1.0, 100.0):
         after = bend_plan(plans(1, 2)[0], elastic(1), elastic(2), BendParameters(weight=weight))
         strains.append(max(after.p.rms_strain, after.q.rms_strain))
@@ -228,3 +228,16 @@ def test_straight_sides_stay_straight() -> None:
 
     assert sag(1.0) < 0.01
     assert sag(1.0) < 0.5 * sag(0.0)
+
+
+def test_construct_bends_if_asked_and_else_changes_nothing() -> None:
+    a, b = blob(1), blob(2)
+    few = RefineParameters(candidates=4)
+    unbent = construct(a, b, refinement=few)
+    off = construct(a, b, refinement=few, bend=BendParameters())
+    assert [piece.lower.tobytes() for piece in off.pieces] == [piece.lower.tobytes() for piece in unbent.pieces]
+    assert (off.trunk_p == unbent.trunk_p).all() and off.bound_p == unbent.bound_p and off.p is a
+    elastic_bend = construct(a, b, refinement=few, bend=BendParameters(method="elastic"))
+    assert elastic_bend.certificate().passed
+    assert min(elastic_bend.overlap_ratios) > min(unbent.overlap_ratios) + 0.005
+    assert overlap_ratio(elastic_bend.p.points, a.points) > 0.8
