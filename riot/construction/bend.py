@@ -176,6 +176,8 @@ class _Task:
             if not _turns_far(task.state):
                 break
             (p, q), (by_p, by_q) = task.state.sides, task.state.amplitudes
+            if not (p.is_unfolded(by_p) and q.is_unfolded(by_q)):
+                break
             again = BendState(
                 (p.bent_again(by_p), q.bent_again(by_q)), task.state.trunks, (np.zeros_like(by_p), np.zeros_like(by_q))
             )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from riot.construction.tuning import SOFTEST
+from riot.construction.tuning import LEAST_KEPT_AREA, SOFTEST
 from riot.geometry.bend import exceeded, greatest_strain, strain_energy
 from riot.geometry.modes import Modes, solve_modes
 from riot.geometry.sides import side_rows
@@ -117,6 +117,17 @@ class BentSide:
             sides,
             side_slopes,
         )
+
+    def is_unfolded(self, amplitudes: FloatArray) -> bool:
+        """Whether every triangle keeps a share of its area when the side is bent, so that modes can be computed anew.
+
+        >>> from riot.geometry.modes import modes
+        >>> BentSide.unbent(modes(house), house.points).is_unfolded(np.zeros(16))
+        True
+        """
+        elements = self.modes.elements
+        areas = elements.moved(self.nodes_at(amplitudes)).areas
+        return bool((areas > LEAST_KEPT_AREA * elements.areas).all())
 
     def nodes_at(self, amplitudes: FloatArray) -> FloatArray:
         """(k, 2) the nodes of the finite elements, bent but not scaled.

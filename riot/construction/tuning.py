@@ -235,6 +235,10 @@ proportion."""
 STRAIN_TRIALS = 4
 """How often amplitudes are made smaller until the strain is as allowed; after that the step is refused."""
 
+LEAST_KEPT_AREA = 0.05
+"""Share of its area that every triangle keeps where modes are computed anew. Limits of strain hold but for a little
+area, and elements that are folded have no energy."""
+
 LARGE_TURN = 0.2
 """Radians: where the interior turns by more anywhere, modes are computed anew on the bent shape."""
 

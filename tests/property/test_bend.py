@@ -241,3 +241,9 @@ def test_construct_bends_if_asked_and_else_changes_nothing() -> None:
     assert elastic_bend.certificate().passed
     assert min(elastic_bend.overlap_ratios) > min(unbent.overlap_ratios) + 0.005
     assert overlap_ratio(elastic_bend.p.points, a.points) > 0.8
+
+
+def test_a_folded_interior_is_seen() -> None:
+    side = BentSide.unbent(elastic(1), blob(1).points)
+    assert side.is_unfolded(np.full(16, 0.01))
+    assert not side.is_unfolded(np.full(16, 2.0))
