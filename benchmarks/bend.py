@@ -18,7 +18,7 @@ import json
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -72,6 +72,7 @@ class Outcome:
     """One way of one pair, with what is drawn of it."""
 
     figures: Figures
+    shapes: tuple[Shape, Shape]
     transform: Transform | None
     bends: tuple[Bend, Bend] | None
 
@@ -148,7 +149,8 @@ def outcome(
         plans[which].bound, iou, input_iou, rms, greatest, max(map(sag, pair)) if pair else 0.0,
         refine_ms, bend_ms, construct_ms, reason,
     )  # fmt: skip
-    return Outcome(figures, transform, pair)
+    inputs = (pair[0].shape, pair[1].shape) if pair else (plans[0].pair.p, plans[0].pair.q)
+    return Outcome(figures, inputs, transform, pair)
 
 
 def compare(paths: tuple[Path, Path], ways: dict[str, BendParameters]) -> dict[str, Outcome]:
@@ -165,7 +167,10 @@ def compare(paths: tuple[Path, Path], ways: dict[str, BendParameters]) -> dict[s
         start = time.process_time()
         bent = bend_plans(plans, of_p, of_q, parameters, REFINEMENT, CONSTRUCTION)
         bend_ms = 1e3 * (time.process_time() - start) + ms_p + ms_q
-        outcomes[name] = outcome([b.plan for b in bent], [(b.p, b.q) for b in bent], refine_ms, bend_ms)
+        result = outcome([b.plan for b in bent], [(b.p, b.q) for b in bent], refine_ms, bend_ms)
+        if result.transform is None and outcomes["unbent"].transform is not None:  # as the library goes on
+            result = replace(outcomes["unbent"], figures=replace(outcomes["unbent"].figures, bend_ms=bend_ms))
+        outcomes[name] = result
     return outcomes
 
 
@@ -219,9 +224,7 @@ def draw(results: Sequence[dict[str, Outcome]], way: str, path: Path) -> None:
                 result = outcomes[name]
                 axes = grid[row, 4 * column + 2 * side + kind]
                 bend = result.bends[side] if result.bends else None
-                source = outcomes[way].bends
-                assert source is not None
-                axes.fill(*source[side].shape.points.T, color="0.8")
+                axes.fill(*outcomes[name].shapes[side].points.T, color="0.8")
                 if bend is not None:
                     axes.plot(*np.concatenate([bend.bent.points, bend.bent.points[:1]]).T, color="C0", lw=0.6)
                 if result.transform is not None:
@@ -231,7 +234,7 @@ def draw(results: Sequence[dict[str, Outcome]], way: str, path: Path) -> None:
                 text = f"{figures.iou:.3f}" if result.transform is not None else figures.reason
                 if bend is not None:
                     text += f" {bend.rms_strain:.1%}"
-                axes.set_title(f"{source[side].shape.name}\n{text}" if kind == 0 else text, fontsize=6, pad=1)
+                axes.set_title(f"{outcomes[name].shapes[side].name}\n{text}" if kind == 0 else text, fontsize=6, pad=1)
     figure.tight_layout(pad=0.3)
     figure.savefig(path, dpi=110)
     plt.close(figure)

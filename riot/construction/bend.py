@@ -15,9 +15,11 @@ import numpy as np
 from riot.construction.bend_climb import BendClimb, BendState
 from riot.construction.bend_objective import BendObjective
 from riot.construction.bent_side import BentSide
+from riot.construction.dissected_plan import require_plan_contact
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_on
 from riot.construction.refine import refine
 from riot.construction.tuning import CONJUGATE_STEPS, EDGE_TOLERANCE, EXACT_BOUND, LARGE_TURN, SHARPNESS, SOFTEST
+from riot.errors import ConstructionError
 from riot.geometry.bend import Bend, bent_by
 from riot.geometry.modes import Modes, modes
 from riot.geometry.polyline import is_simple
@@ -87,7 +89,7 @@ def bend_plans(
     """
     tasks = [
         _Task.of(plan, modes_p, modes_q, parameters, refinement or RefineParameters(), construction)
-        for plan in plans[: parameters.sketched]
+        for plan in _promising(plans, parameters.sketched, construction or ConstructParameters())
     ]
     tasks = sorted((task.sketched() for task in tasks), key=lambda task: -task.worth)
     count = parameters.finished
@@ -192,6 +194,20 @@ class _Task:
             if is_simple(bent.p.bent.points) and is_simple(bent.q.bent.points):
                 break
         return bent if share == 1.0 else replace(bent, plan=refine(bent.plan, self.refinement.steps, self.refinement))
+
+
+def _promising(
+    plans: Sequence[ConstructionPlan], count: int, construction: ConstructParameters
+) -> list[ConstructionPlan]:
+    """The first plans, with one among them whose pieces keep their edges as it is, if any plan's do."""
+    chosen = list(plans[:count])
+    for plan in plans:
+        try:
+            require_plan_contact(plan, construction.spacing, construction.max_lost_contact)
+        except ConstructionError:
+            continue
+        return chosen if plan in chosen else [*chosen[:-1], plan]
+    return chosen
 
 
 def _turns_far(state: BendState) -> bool:
