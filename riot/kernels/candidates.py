@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
 
 PRUNING_SLACK = 1e-12
@@ -33,6 +33,9 @@ search."""
 CRS_LEAVES = 64
 """Greatest number of leaves of one n, about: shapes with more trunks get larger leaves. Ours: any number gives the same
 result, and all pairs of leaves are bounded, so that their number is kept low."""
+
+_STACK = 64
+"""Ranges that wait to be halved: more than the binary logarithm of any number of trunks."""
 
 
 class TrunkSide(NamedTuple):
@@ -93,7 +96,7 @@ def arrange(
         longest = max(longest, offsets[t + 1] - offsets[t])
         _rank(edges, offsets[t], offsets[t + 1], values, offsets[t])
     order, keys = np.empty(trunks, dtype=np.int64), np.empty(trunks)
-    leaves, count, filled = np.zeros(trunks + 1, dtype=np.int64), 0, 0
+    leaves, ends, count, filled = np.zeros(trunks + 1, dtype=np.int64), np.empty(_STACK, dtype=np.int64), 0, 0
     for n in range(1, longest + 1):
         begin = filled
         for t in range(trunks):
@@ -102,20 +105,21 @@ def arrange(
                 filled += 1
         size = max(CRS_LEAF, (filled - begin + CRS_LEAVES - 1) // CRS_LEAVES)
         # Ends of the ranges that remain, the next one last; a range is halved until it is small enough for a leaf.
-        ends = [filled]
+        ends[0], top = filled, 0
         while begin < filled:
-            end = ends[-1]
+            end = ends[top]
             if end - begin <= size:
                 count += 1
                 leaves[count] = begin = end
-                ends.pop()
+                top -= 1
                 continue
-            rank = _widest(values, offsets, order[begin:end], n)
+            rank = _widest(values, offsets, order, begin, end, n)
             for k in range(begin, end):
                 keys[k] = values[offsets[order[k]] + rank]
             middle = begin + ((end - begin) // 2 + size - 1) // size * size
             _select(keys, order, begin, end - 1, middle)
-            ends.append(middle)
+            top += 1
+            ends[top] = middle
     begins, boxes, spreads = np.zeros(trunks + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64), np.zeros(trunks)
     ranked, corners = np.empty(3 * total), np.empty(4 * total)
     low, high = np.full(3 * total, np.inf), np.full(3 * total, -np.inf)
@@ -139,9 +143,12 @@ def arrange(
             spreads[k] = abs(spreads[k] - (n - 2) * np.pi)
             boxes[leaf + 1] = box + 3 * n
     used = boxes[count]
+    ordered_areas = np.empty(trunks)
+    for k in range(trunks):
+        ordered_areas[k] = areas[order[k]]
     return TrunkSide(
         order,
-        areas[order],
+        ordered_areas,
         spreads,
         begins,
         ranked,
@@ -153,7 +160,7 @@ def arrange(
     )
 
 
-@kernel
+@inner
 def _rank(values: FloatArray, start: int, stop: int, out: FloatArray, base: int) -> None:
     """Copy ``values[start:stop]`` in ascending order to ``out``, from ``base`` on."""
     for k in range(stop - start):
@@ -164,21 +171,21 @@ def _rank(values: FloatArray, start: int, stop: int, out: FloatArray, base: int)
         out[slot] = value
 
 
-@kernel
-def _widest(ranked: FloatArray, offsets: IntArray, trunks: IntArray, n: int) -> int:
-    """The rank at which trunks of n vertices differ most."""
+@inner
+def _widest(ranked: FloatArray, offsets: IntArray, order: IntArray, begin: int, end: int, n: int) -> int:
+    """The rank at which the trunks ``order[begin:end]``, of n vertices, differ most."""
     greatest, widest_rank = -1.0, 0
     for rank in range(n):
         low, high = np.inf, -np.inf
-        for t in trunks:
-            value = ranked[offsets[t] + rank]
+        for k in range(begin, end):
+            value = ranked[offsets[order[k]] + rank]
             low, high = min(low, value), max(high, value)
         if high - low > greatest:
             greatest, widest_rank = high - low, rank
     return widest_rank
 
 
-@kernel
+@inner
 def _select(keys: FloatArray, items: IntArray, low: int, high: int, middle: int) -> None:
     """Reorder from ``low`` to ``high``, both included, until no key before ``middle`` is greater than one behind."""
     while low < high:
@@ -259,7 +266,7 @@ def nearest_candidates(
     order_b, areas_b, spreads_b, begins_b, leaves_b = b.order, b.areas, b.spreads, b.begins, b.leaves
     ranked_a, ranked_b, corners_a, corners_b = a.ranked, b.ranked, a.corners, b.corners
     boxes, low, high = b.boxes, b.low, b.high
-    count, longest = 0, 0
+    count, longest = int(np.int64(0)), 0  # a literal would have `_lower` compiled once more
     for j in range(len(leaves_b) - 1):
         longest = max(longest, boxes[j + 1] - boxes[j])
     edges, alphas, betas, pieces = np.empty(longest), np.empty(longest), np.empty(longest), np.empty(longest)
@@ -340,19 +347,28 @@ def nearest_candidates(
 @kernel
 def _lower(candidates: FloatArray, which: IntArray, count: int, limit: float) -> tuple[int, float]:
     """Lower the limit to about the middle bound and drop what exceeds it; (−1, limit) if all bounds are equal."""
-    ordered = np.sort(candidates[:count, 0])
+    bounds, items = np.empty(count), np.empty(count, dtype=np.int64)
+    greatest, less = -np.inf, -np.inf
+    for k in range(count):
+        bounds[k] = candidates[k, 0]
+        greatest = max(greatest, bounds[k])
     middle = (count - 1) // 2
-    while middle >= 0 and ordered[middle] == ordered[count - 1]:
-        middle -= 1
-    if middle < 0:
-        return -1, limit
+    _select(bounds, items, middle - middle, count - 1, middle)
+    lowered = greatest
+    for k in range(count):
+        lowered = min(lowered, bounds[k]) if k >= middle else lowered
+        less = max(less, bounds[k]) if bounds[k] < greatest else less
+    if lowered == greatest:  # half of the bounds are the greatest one
+        if less == -np.inf:
+            return -1, limit
+        lowered = less
     kept = 0
     for k in range(count):
-        if candidates[k, 0] <= ordered[middle]:
+        if candidates[k, 0] <= lowered:
             candidates[kept, 0], candidates[kept, 1] = candidates[k, 0], candidates[k, 1]
             which[kept, 0], which[kept, 1], which[kept, 2] = which[k, 0], which[k, 1], which[k, 2]
             kept += 1
-    return kept, ordered[middle]
+    return kept, lowered
 
 
 def warm() -> None:

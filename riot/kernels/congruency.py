@@ -4,14 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
 
 _LOCAL_SAMPLES = 9
 """Samples on either side of a vertex that give its local outside angle. Ours."""
 
 
-@kernel
+@inner
+def _sort(values: FloatArray, start: int, stop: int) -> None:
+    """Sort ``values[start:stop]``, ascending (Shell's method; numpy's takes long to compile)."""
+    gap = 1
+    while gap < (stop - start) // 3:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for k in range(start + gap, stop):
+            value, at = values[k], k
+            while at >= start + gap and values[at - gap] > value:
+                values[at] = values[at - gap]
+                at -= gap
+            values[at] = value
+        gap //= 3
+
+
+@inner
 def walk(points: FloatArray, lengths: FloatArray, k: int, step: float, back: bool, out: FloatArray) -> None:
     """Fill ``out`` (c, 2) with the boundary at arc lengths 0, step, 2·step, … from vertex k, relative to it.
 
@@ -34,7 +50,19 @@ def walk(points: FloatArray, lengths: FloatArray, k: int, step: float, back: boo
         out[c, 1] = points[i, 1] + share * (points[j, 1] - points[i, 1]) - points[k, 1]
 
 
-@kernel
+@inner
+def _walk_both(
+    points: FloatArray, lengths: FloatArray, k: int, step: float, left: FloatArray, right: FloatArray
+) -> None:
+    """`walk` backwards into ``left`` and forwards into ``right``."""
+    for way in range(2):  # a literal would have `walk` compiled once more
+        if way == 0:
+            walk(points, lengths, k, step, way == 0, left)
+        else:
+            walk(points, lengths, k, step, way == 0, right)
+
+
+@inner
 def best_turn(left: FloatArray, right: FloatArray, count: int) -> float:
     """Angle in [0, 2π) by which to turn ``left`` about the origin, counter-clockwise, onto ``right``: least squares.
 
@@ -96,8 +124,7 @@ def longest_congruent(
     congruent = np.empty((len(indices), 3))
     for r in range(len(indices)):
         k = indices[r]
-        walk(points, lengths, k, step, True, left)
-        walk(points, lengths, k, step, False, right)
+        _walk_both(points, lengths, k, step, left, right)
         total = 0
         for b in range(len(breaks)):
             ahead = (breaks[b] - lengths[k]) % perimeter
@@ -106,7 +133,7 @@ def longest_congruent(
                 if shortest < length <= 0.5 * perimeter:
                     candidates[total] = length
                     total += 1
-        candidates[:total].sort()
+        _sort(candidates, 0, total)
         congruent[r, 0], congruent[r, 1], congruent[r, 2] = 0.0, np.inf, 0.0
         for c in range(total - 1, -1, -1):
             count = min(capacity, max(2, int(candidates[c] / step + 0.5) + 1))
@@ -132,12 +159,11 @@ def longest_congruent(
 def local_turns(points: FloatArray, lengths: FloatArray, indices: IntArray, reach: float) -> FloatArray:
     """(k,) outside angles in [0, 2π) at vertices: the turn that brings the boundary up to ``reach`` behind the vertex
     onto that ahead of it."""
-    count = _LOCAL_SAMPLES
-    left, right = np.empty((count, 2)), np.empty((count, 2))
+    left, right = np.empty((_LOCAL_SAMPLES, 2)), np.empty((_LOCAL_SAMPLES, 2))
+    count = len(left)  # a constant would have `best_turn` compiled once more
     turns = np.empty(len(indices))
     for r in range(len(indices)):
-        walk(points, lengths, indices[r], reach / (count - 1), True, left)
-        walk(points, lengths, indices[r], reach / (count - 1), False, right)
+        _walk_both(points, lengths, indices[r], reach / (count - 1), left, right)
         turns[r] = best_turn(left, right, count)
     return turns
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
 
 _LIMIT_SLACK = 1e-9
@@ -87,14 +87,15 @@ def _uncovered(n: int, arcs: FloatArray, offsets: IntArray, lines: int, limit: f
             starts[max(above[k], above[after]) + 1] -= 1
     # The number of edges that begin less those that end at a line gives the number that cross it, and these sum to
     # the index of the first crossing of each line.
-    most, crossing = 0, 0
+    most, crossing = starts[0], starts[0]  # 0; a literal would have `_sweep` compiled once more
     for line in range(lines):
         crossing += starts[line + 1]
         most = max(most, crossing)
         starts[line + 1] = starts[line] + crossing
     x, code = np.empty(starts[lines]), np.empty(starts[lines], dtype=np.int64)
-    left, right = np.full(lines, np.inf), np.full(lines, -np.inf)
-    cursor = starts[:lines].copy()
+    left, right, cursor = np.empty(lines), np.empty(lines), np.empty(lines, dtype=np.int64)
+    for line in range(lines):
+        left[line], right[line], cursor[line] = np.inf, -np.inf, starts[line]
     for i in range(n):
         for k in range(offsets[i], offsets[i + 1]):
             chord = k + 1 == offsets[i + 1]
@@ -152,7 +153,8 @@ def _sweep(
                 slot -= 1
             row[slot], order[slot] = at, which
         whole, apart = 0, 0
-        winding[:] = 0
+        for i in range(n):
+            winding[i] = 0
         for k in range(m - 1):
             which = code[start + order[k]]
             # Crossing an upward edge from left to right leaves its left side: the winding number falls.
@@ -173,20 +175,31 @@ def _sweep(
 @kernel
 def _one_way(
     points: FloatArray,
+    other: FloatArray,
     trunk: IntArray,
-    target: FloatArray,
+    other_trunk: IntArray,
+    way: int,
     lines: int,
     limit: float,
     arcs: FloatArray,
     offsets: IntArray,
 ) -> float:
-    """d_A one way, exact unless it is greater than ``limit``; ``arcs`` and ``offsets`` are scratch for `swung_arcs`."""
-    swung_arcs(points, trunk, target, arcs, offsets)
-    gaps, overlaps, outside = _uncovered(len(trunk), arcs, offsets, lines, limit)
+    """d_A one way, exact unless it is greater than ``limit``: the arcs of ``points`` in the trunk of ``other``.
+
+    With ``way`` 1 both trunks, (n,) vertices, are read from the last to the first, with 0 from the first to the last.
+    ``arcs`` and ``offsets`` are scratch for `swung_arcs`.
+    """
+    n = len(trunk)
+    vertices, target = np.empty(n, dtype=np.int64), np.empty((n, 2))
+    for j in range(n):
+        i = n - 1 - j if way == 1 else j
+        vertices[j] = trunk[i]
+        target[j, 0], target[j, 1] = other[other_trunk[i], 0], other[other_trunk[i], 1]
+    swung_arcs(points, vertices, target, arcs, offsets)
+    gaps, overlaps, outside = _uncovered(n, arcs, offsets, lines, limit)
     return gaps + overlaps + outside
 
 
-@kernel
 def area_terms(
     points_a: FloatArray,
     points_b: FloatArray,
@@ -198,16 +211,19 @@ def area_terms(
 
     ``trunks_a`` are counter-clockwise vertices of P, ``trunks_b`` the corresponding ones of Q, clockwise.
     """
-    k, n = trunks_a.shape
-    capacity = max(points_a.shape[0], points_b.shape[0]) + n
-    arcs, offsets = np.empty((capacity, 2)), np.empty(n + 1, dtype=np.int64)
-    terms = np.empty((k, 2))
-    for row in range(k):
-        a, b = trunks_a[row], trunks_b[row]
-        terms[row, 0] = _one_way(points_a, a, points_b[b], lines, np.inf, arcs, offsets)
-        # Read backwards, Q's trunk is counter-clockwise, and P's corners in that order are clockwise.
-        terms[row, 1] = _one_way(points_b, b[::-1].copy(), points_a[a[::-1].copy()], lines, np.inf, arcs, offsets)
-    return terms
+    n = trunks_a.shape[1]
+    arcs = np.empty((max(points_a.shape[0], points_b.shape[0]) + n, 2))
+    offsets = np.empty(n + 1, dtype=np.int64)
+    # Read backwards, Q's trunk is counter-clockwise, and P's corners in that order are clockwise.
+    return np.array(
+        [
+            (
+                _one_way(points_a, points_b, a, b, 0, lines, np.inf, arcs, offsets),
+                _one_way(points_b, points_a, b, a, 1, lines, np.inf, arcs, offsets),
+            )
+            for a, b in zip(trunks_a, trunks_b, strict=True)
+        ]
+    ).reshape(-1, 2)
 
 
 @kernel
@@ -237,12 +253,13 @@ def best_area_terms(
     capacity = max(points_a.shape[0], points_b.shape[0]) + points_a.shape[0]
     arcs, offsets = np.empty((capacity, 2)), np.empty(points_a.shape[0] + 1, dtype=np.int64)
     begun = 0
-    for k in order:
+    for number in range(len(order)):
+        k = order[number]
         full = count == kept.shape[0]
         if full and candidates[k, 0] > kept[count - 1, 0]:
             break
         begun += 1
-        t, u, s = which[k]
+        t, u, s = which[k, 0], which[k, 1], which[k, 2]
         x, n = trunks_a[0][t], trunks_a[0][t + 1] - trunks_a[0][t]
         y = trunks_b[0][u]
         a, b = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
@@ -250,35 +267,39 @@ def best_area_terms(
             a[j], b[j] = trunks_a[1][x + j], trunks_b[1][y + (s - j if j <= s else s - j + n)]
         # The slack is for rounding: a term that stops early is certainly too great.
         limit = kept[count - 1, 0] * sigma * (1.0 + _LIMIT_SLACK) if full else np.inf
-        area = _one_way(points_a, a, points_b[b], lines, limit, arcs, offsets)
+        area = 0.0
+        for way in range(2):  # a literal would have `_one_way` compiled once more
+            if way == 0:
+                area = _one_way(points_a, points_b, a, b, way, lines, limit, arcs, offsets)
+            elif area <= limit:
+                area = max(area, _one_way(points_b, points_a, b, a, way, lines, limit, arcs, offsets))
         if area > limit:
             continue
-        back = _one_way(points_b, b[::-1].copy(), points_a[a[::-1].copy()], lines, limit, arcs, offsets)
-        if back > limit:
-            continue
-        area = max(area, back)
         distance = max(candidates[k, 1], area / sigma)
         slot = count
-        while slot > 0 and _before(distance, which[k], kept[slot - 1, 0], kept_which[slot - 1]):
+        while slot > 0 and _before(distance, which, k, kept[slot - 1, 0], kept_which, slot - 1):
             slot -= 1
         if slot == kept.shape[0]:
             continue
         count = min(count + 1, kept.shape[0])
         for row in range(count - 1, slot, -1):
-            kept[row], kept_which[row] = kept[row - 1], kept_which[row - 1]
+            kept[row, 0], kept[row, 1] = kept[row - 1, 0], kept[row - 1, 1]
+            for j in range(3):
+                kept_which[row, j] = kept_which[row - 1, j]
         kept[slot, 0], kept[slot, 1] = distance, area
-        kept_which[slot] = which[k]
+        for j in range(3):
+            kept_which[slot, j] = which[k, j]
     return count, begun
 
 
-@kernel
-def _before(distance: float, which: IntArray, other: float, other_which: IntArray) -> bool:
-    """Whether one candidate comes before another."""
+@inner
+def _before(distance: float, which: IntArray, k: int, other: float, other_which: IntArray, m: int) -> bool:
+    """Whether candidate ``which[k]`` comes before ``other_which[m]``."""
     if distance != other:
         return distance < other
     for j in range(3):
-        if which[j] != other_which[j]:
-            return bool(which[j] < other_which[j])
+        if which[k, j] != other_which[m, j]:
+            return bool(which[k, j] < other_which[m, j])
     return False
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
 _LEAST_TURN = 1e-9
@@ -55,9 +55,12 @@ def enumerate_convex(points: FloatArray, admissible: BoolArray, n: int, limit: i
             if admissible[nxt, first] and _left(points, nxt, first, chosen[1]):
                 if count == len(polygons):
                     larger = np.empty((4 * count, n), dtype=np.int64)
-                    larger[:count] = polygons
+                    for k in range(count):
+                        for i in range(n):
+                            larger[k, i] = polygons[k, i]
                     polygons = larger
-                polygons[count] = chosen
+                for i in range(n):
+                    polygons[count, i] = chosen[i]
                 count += 1
                 if count >= limit:
                     return polygons[:count], longer
@@ -81,7 +84,7 @@ def _followers(admissible: BoolArray) -> tuple[IntArray, IntArray]:
     return followers[:count], firsts
 
 
-@kernel
+@inner
 def _left(points: FloatArray, a: int, b: int, c: int) -> bool:
     """Whether c lies strictly to the left of the line from a to b."""
     ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]

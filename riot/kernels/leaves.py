@@ -96,7 +96,10 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
     spread, in units of the given sigmas, until they fit. The search finds the same with any order, but not as quickly.
     """
     count = len(sizes)
-    order = np.arange(count)
+    order, keys = np.empty(count, dtype=np.int64), np.empty(count)
+    spare = np.empty(count, dtype=np.int64)
+    for k in range(count):
+        order[k] = k
     leaves = 0
     start = 0
     while start < count:
@@ -115,9 +118,9 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
         stop = start
         while stop < count and sizes[stop] == n:
             stop += 1
-        scale[:] = 1.0 / (2.0 * n * angle)
+        for f in range(FEATURES):
+            scale[f] = 1.0 / (n * edge) if f < 1 + EDGE_CONTRASTS else 1.0 / (2.0 * n * angle)
         scale[0] = 2.0 / area
-        scale[1 : 1 + EDGE_CONTRASTS] = 1.0 / (n * edge)
         lows[0], highs[0] = start, stop
         depth = 1
         while depth > 0:
@@ -128,12 +131,10 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
                     out[leaf, k] = order[min(low + k, high - 1)]
                 leaf += 1
                 continue
-            members = order[low:high]
-            widest = _widest(values, members, scale)
-            keys = np.empty(len(members))
-            for k in range(len(members)):
-                keys[k] = values[members[k], widest]
-            order[low:high] = members[np.argsort(keys, kind="mergesort")]
+            widest = _widest(values, order, low, high, scale)
+            for k in range(low, high):
+                keys[order[k]] = values[order[k], widest]
+            _sort_stably(order, keys, low, high, spare)
             middle = low + ((high - low + QCRS_LEAF - 1) // QCRS_LEAF) // 2 * QCRS_LEAF
             # The lower half comes next, so that leaves are in order.
             lows[depth], highs[depth] = middle, high
@@ -143,13 +144,34 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
     return out
 
 
-@kernel
-def _widest(values: FloatArray, members: IntArray, scale: FloatArray) -> int:
+@inner
+def _sort_stably(order: IntArray, keys: FloatArray, low: int, high: int, spare: IntArray) -> None:
+    """Sort ``order[low:high]`` by the keys of its entries; equals stay in order (runs of growing length are merged)."""
+    width = 1
+    while width < high - low:
+        for start in range(low, high, 2 * width):
+            middle, stop = min(start + width, high), min(start + 2 * width, high)
+            i, j = start, middle
+            for k in range(start, stop):
+                if i < middle and (j >= stop or keys[order[i]] <= keys[order[j]]):
+                    spare[k] = order[i]
+                    i += 1
+                else:
+                    spare[k] = order[j]
+                    j += 1
+        for k in range(low, high):
+            order[k] = spare[k]
+        width *= 2
+
+
+@inner
+def _widest(values: FloatArray, order: IntArray, low: int, high: int, scale: FloatArray) -> int:
+    """The feature of greatest spread among the trunks ``order[low:high]``."""
     widest, spread = 0, -1.0
     for f in range(values.shape[1]):
-        least, most = values[members[0], f], values[members[0], f]
-        for k in range(1, len(members)):
-            value = values[members[k], f]
+        least, most = values[order[low], f], values[order[low], f]
+        for k in range(low + 1, high):
+            value = values[order[k], f]
             least, most = min(least, value), max(most, value)
         if (most - least) * scale[f] > spread:
             widest, spread = f, (most - least) * scale[f]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import FloatArray
 
 MATCH_SIGMA = 0.03
@@ -126,13 +126,31 @@ def _even(length: float, step: float) -> FloatArray:
     return positions
 
 
+@inner
+def _interpolate(x: FloatArray, xs: FloatArray, values: FloatArray, scale: float, out: FloatArray) -> None:
+    """Fill ``out`` (k,) with the values, times ``scale``, at ascending ``x`` (k,) between ascending ``xs``, as
+    `numpy.interp` does, which takes long to compile."""
+    last, j = len(xs) - 1, 0
+    for i in range(len(x)):
+        while j < last - 1 and xs[j + 1] <= x[i]:
+            j += 1
+        here, ahead = values[j] * scale, values[j + 1] * scale
+        if x[i] <= xs[0]:
+            out[i] = values[0] * scale
+        elif x[i] >= xs[last]:
+            out[i] = values[last] * scale
+        else:
+            out[i] = (ahead - here) / (xs[j + 1] - xs[j]) * (x[i] - xs[j]) + here
+
+
 @kernel
 def corresponding(path: FloatArray, positions: FloatArray, arc: FloatArray, step: float) -> FloatArray:
     """(q,) positions along ``arc`` that correspond to ascending ``positions`` (q,) along ``path``; ends to ends."""
     path_lengths, arc_lengths = along(path), along(arc)
     on_path, on_arc = _even(path_lengths[-1], step), _even(arc_lengths[-1], step)
     in_arc, _ = _warp(at(path, path_lengths, on_path), at(arc, arc_lengths, on_arc))
-    matched: FloatArray = np.interp(positions, on_path, in_arc * on_arc[1])
+    matched = np.empty(len(positions))
+    _interpolate(positions, on_path, in_arc, on_arc[1], matched)
     return matched
 
 
@@ -141,10 +159,11 @@ def turnings(points: FloatArray, reach: float) -> FloatArray:
     """(m,) change of direction, radians, at each vertex of a polyline, between the points at ``reach`` before and after
     it; 0 at the ends."""
     m = len(points)
-    lengths = along(points)
+    lengths, positions = along(points), np.empty(2)
     turns = np.zeros(m)
     for k in range(1, m - 1):
-        ends = at(points, lengths, np.array([max(lengths[k] - reach, 0.0), min(lengths[k] + reach, lengths[-1])]))
+        positions[0], positions[1] = max(lengths[k] - reach, 0.0), min(lengths[k] + reach, lengths[m - 1])
+        ends = at(points, lengths, positions)
         ax, ay = points[k, 0] - ends[0, 0], points[k, 1] - ends[0, 1]
         bx, by = ends[1, 0] - points[k, 0], ends[1, 1] - points[k, 1]
         turns[k] = np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
@@ -170,13 +189,14 @@ def merged(
         for axis in range(2):
             samples_a[i, axis] += (1.0 - share) * (b[0, axis] - a[0, axis]) + share * (b[-1, axis] - a[-1, axis])
     in_b, in_a = _warp(samples_a, samples_b)
-    image_a = np.interp(lengths_a, even_a, in_b * even_b[1])
-    image_b = np.interp(lengths_b, even_b, in_a * even_a[1])
+    image_a, image_b = np.empty(len(a)), np.empty(len(b))
+    _interpolate(lengths_a, even_a, in_b, even_b[1], image_a)
+    _interpolate(lengths_b, even_b, in_a, even_a[1], image_b)
 
     capacity = len(a) + len(b) + 2
     knots = np.empty((capacity, 2))
-    knots[0], knots[1] = np.array([0.0, 0.0]), np.array([end_a, end_b])
-    count = 2
+    knots[0, 0], knots[0, 1], knots[1, 0], knots[1, 1] = 0.0, 0.0, end_a, end_b
+    count = int(np.int64(2))  # a literal would have `_insert` compiled once more
     paired = np.zeros(len(b), dtype=np.bool_)
     reach = CORNER_STEPS * step
     done = np.zeros(len(a), dtype=np.bool_)
@@ -192,10 +212,10 @@ def merged(
     for j in range(1, len(b) - 1):
         if marks_b[j] != 0.0 and not paired[j]:
             count = _insert(knots, count, image_b[j], lengths_b[j], step)
-    return _between(knots[:count], lengths_a, lengths_b, step)
+    return _between(knots, count, lengths_a, lengths_b, step)
 
 
-@kernel
+@inner
 def _partner(lengths: FloatArray, marks: FloatArray, position: float, turning: float, reach: float) -> int:
     """The corner nearest to ``position``, within ``reach``, that turns the same way; −1 if there is none."""
     best, partner = reach, -1
@@ -205,27 +225,42 @@ def _partner(lengths: FloatArray, marks: FloatArray, position: float, turning: f
     return partner
 
 
-@kernel
+@inner
 def _insert(knots: FloatArray, count: int, u: float, v: float, apart: float) -> int:
     """Insert (u, v) into ascending knots unless it is out of order or nearer than ``apart``; returns their number."""
     slot = 1
     while knots[slot, 0] < u:
         slot += 1
-    for axis, value in ((0, u), (1, v)):
-        if value < knots[slot - 1, axis] + apart or value > knots[slot, axis] - apart:
-            return count
+    if u < knots[slot - 1, 0] + apart or u > knots[slot, 0] - apart:
+        return count
+    if v < knots[slot - 1, 1] + apart or v > knots[slot, 1] - apart:
+        return count
     for k in range(count, slot, -1):
         knots[k, 0], knots[k, 1] = knots[k - 1, 0], knots[k - 1, 1]
     knots[slot, 0], knots[slot, 1] = u, v
     return count + 1
 
 
+@inner
+def _shares_between(lengths: FloatArray, start: float, span: float, shares: FloatArray, most: int) -> int:
+    """Insert the shares of the way from ``start`` at which vertices lie into ascending shares; returns their number."""
+    for s in range(len(lengths)):
+        if span > 0.0 and start < lengths[s] < start + span:
+            share, slot = (lengths[s] - start) / span, most
+            while slot > 0 and shares[slot - 1] > share:
+                shares[slot] = shares[slot - 1]
+                slot -= 1
+            shares[slot] = share
+            most += 1
+    return most
+
+
 @kernel
 def _between(
-    knots: FloatArray, lengths_a: FloatArray, lengths_b: FloatArray, step: float
+    knots: FloatArray, count: int, lengths_a: FloatArray, lengths_b: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Merge the vertices between knots by their share of the way, and divide intervals longer than ``step``."""
-    count = len(knots)
+    """Merge the vertices between the first ``count`` knots by their share of the way, and divide intervals longer than
+    ``step``."""
     capacity = len(lengths_a) + len(lengths_b) + 2 * count
     capacity += int((lengths_a[-1] + lengths_b[-1]) / step) + capacity
     u, v = np.empty(capacity), np.empty(capacity)
@@ -233,23 +268,18 @@ def _between(
     size = 0
     for k in range(count - 1):
         span_a, span_b = knots[k + 1, 0] - knots[k, 0], knots[k + 1, 1] - knots[k, 1]
-        most = 1
         shares[0] = 0.0
-        for lengths, start, span in ((lengths_a, knots[k, 0], span_a), (lengths_b, knots[k, 1], span_b)):
-            for s in range(len(lengths)):
-                if span > 0.0 and start < lengths[s] < start + span:
-                    shares[most] = (lengths[s] - start) / span
-                    most += 1
+        most = _shares_between(lengths_a, knots[k, 0], span_a, shares, int(np.int64(1)))  # no literal: see `merged`
+        most = _shares_between(lengths_b, knots[k, 1], span_b, shares, most)
         shares[most] = 1.0
-        ordered = np.sort(shares[: most + 1])
         wide = max(span_a, span_b)
         for s in range(most):
-            width = ordered[s + 1] - ordered[s]
+            width = shares[s + 1] - shares[s]
             if width * wide <= _COINCIDENT:
                 continue
             divisions = max(1, int(np.ceil(width * wide / step)))
             for division in range(divisions):
-                share = ordered[s] + width * division / divisions
+                share = shares[s] + width * division / divisions
                 u[size], v[size] = knots[k, 0] + share * span_a, knots[k, 1] + share * span_b
                 size += 1
     u[size], v[size] = knots[count - 1, 0], knots[count - 1, 1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import BoolArray, FloatArray, IntArray
 
 _ROUNDING = 1e-12
@@ -38,7 +38,23 @@ def contains(points: FloatArray, x: float, y: float, tolerance: float) -> bool:
     return inside
 
 
-@kernel
+@inner
+def _sort(values: FloatArray, start: int, stop: int) -> None:
+    """Sort ``values[start:stop]``, ascending (Shell's method; numpy's takes long to compile)."""
+    gap = 1
+    while gap < (stop - start) // 3:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for k in range(start + gap, stop):
+            value, at = values[k], k
+            while at >= start + gap and values[at - gap] > value:
+                values[at] = values[at - gap]
+                at -= gap
+            values[at] = value
+        gap //= 3
+
+
+@inner
 def _crossing(
     points: FloatArray, i: int, x: float, y: float, dx: float, dy: float, side_0: float, side_1: float
 ) -> float:
@@ -81,17 +97,17 @@ def inscribed(points: FloatArray, first: int, second: int, tolerance: float) -> 
                 return False
         side_a = side_b
 
-    cuts = np.sort(touching[:touches])
+    _sort(touching, 0, touches)
     for k in range(touches - 1):
-        if cuts[k + 1] - cuts[k] > tolerance:
-            middle = 0.5 * (cuts[k] + cuts[k + 1])
+        if touching[k + 1] - touching[k] > tolerance:
+            middle = 0.5 * (touching[k] + touching[k + 1])
             if not contains(points, px + middle * dx, py + middle * dy, tolerance):
                 return False
     return True
 
 
-@kernel
-def inside_share(
+@inner
+def _inside_share(
     points: FloatArray, ax: float, ay: float, bx: float, by: float, tolerance: float, cuts: FloatArray
 ) -> float:
     """Share of the segment a–b that lies in the closed polygon ``points`` (m, 2); ``cuts`` (≥ m + 2,) is scratch.
@@ -119,7 +135,7 @@ def inside_share(
             cuts[count] = cut
             count += 1
         side_0 = side_1
-    cuts[:count].sort()
+    _sort(cuts, 0, count)
     inside = 0.0
     for k in range(count - 1):
         if cuts[k + 1] - cuts[k] > tolerance:
@@ -133,17 +149,20 @@ def inside_share(
 def inside_shares(points: FloatArray, indices: IntArray, wanted: BoolArray, tolerance: float) -> FloatArray:
     """(c, c) share of the segment between vertices ``indices[i]`` and ``indices[j]`` inside; nan if not ``wanted``."""
     c = len(indices)
-    shares = np.full((c, c), np.nan)
+    shares = np.empty((c, c))
     cuts = np.empty(points.shape[0] + 2)
     for i in range(c):
         for j in range(c):
+            shares[i, j] = np.nan
             if not wanted[i, j]:
                 continue
             if wanted[j, i] and j < i:
                 shares[i, j] = shares[j, i]
                 continue
             a, b = indices[i], indices[j]
-            shares[i, j] = inside_share(points, points[a, 0], points[a, 1], points[b, 0], points[b, 1], tolerance, cuts)
+            shares[i, j] = _inside_share(
+                points, points[a, 0], points[a, 1], points[b, 0], points[b, 1], tolerance, cuts
+            )
     return shares
 
 
@@ -170,7 +189,7 @@ def find_necks(
             ratio[i] = geodesic / distance if distance > 0.0 else 0.0
         for i in range(m):
             left, right = (i - 1) % m, (i + 1) % m
-            if i in (p1, (p1 + 1) % m, (p1 - 1) % m):
+            if p1 in (i, left, right):
                 continue
             if (
                 ratio[i] * (1.0 + tie) >= ratio[left]

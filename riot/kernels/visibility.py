@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from riot.kernels.options import kernel
+from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
 
 _SAME_ANGLE = 1e-12
@@ -24,7 +24,7 @@ _BESIDE = 1e-9
 """The same holds for an edge with an end nearer to the point than this, in the unit-area frame. Ours."""
 
 
-@kernel
+@inner
 def _turn(angle: float) -> float:
     """The angle, in [−2π, 2π], as one in [0, 2π]: what ``% (2π)`` gives, without its division."""
     if angle < 0.0:
@@ -32,7 +32,23 @@ def _turn(angle: float) -> float:
     return angle if angle < 2.0 * np.pi else angle - 2.0 * np.pi
 
 
-@kernel
+@inner
+def _sort(values: FloatArray, start: int, stop: int) -> None:
+    """Sort ``values[start:stop]``, ascending (Shell's method; numpy's takes long to compile)."""
+    gap = 1
+    while gap < (stop - start) // 3:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for k in range(start + gap, stop):
+            value, at = values[k], k
+            while at >= start + gap and values[at - gap] > value:
+                values[at] = values[at - gap]
+                at -= gap
+            values[at] = value
+        gap //= 3
+
+
+@inner
 def _rays(around: FloatArray, forward: float, angles: FloatArray, mids: FloatArray, directions: FloatArray) -> int:
     """Fill the rays between neighbouring directions of vertices within the interior angle; returns their number.
 
@@ -46,7 +62,7 @@ def _rays(around: FloatArray, forward: float, angles: FloatArray, mids: FloatArr
         if around[j] < cone:
             angles[count] = around[j]
             count += 1
-    angles[1:count].sort()
+    _sort(angles, 1, count)
     angles[0], angles[count] = 0.0, cone
     rays = 0
     for a in range(1, count + 1):
@@ -59,7 +75,7 @@ def _rays(around: FloatArray, forward: float, angles: FloatArray, mids: FloatArr
     return rays
 
 
-@kernel
+@inner
 def _meet(
     local: FloatArray, j: int, first: int, last: int, directions: FloatArray, nearest: FloatArray, edges: IntArray
 ) -> None:
@@ -75,7 +91,7 @@ def _meet(
                 nearest[a], edges[a] = far, j
 
 
-@kernel
+@inner
 def _first_edges(
     local: FloatArray,
     around: FloatArray,
@@ -91,6 +107,7 @@ def _first_edges(
     that it spans. An index into the sorted ``mids`` follows the boundary, so that the work grows with the number of
     crossings, not with rays times edges.
     """
+    none = int(np.int64(0))  # a literal would have `_meet` compiled once more
     for a in range(rays):
         nearest[a], edges[a] = np.inf, -1
     at = 0  # how many rays lie before the current vertex
@@ -105,7 +122,7 @@ def _first_edges(
         after_low, after_high = min(before, at), max(before, at)
         spans = high - low
         if abs(spans - np.pi) < _FLAT or _beside(local, j) or _beside(local, j + 1):
-            _meet(local, j, 0, rays, directions, nearest, edges)
+            _meet(local, j, none, rays, directions, nearest, edges)
         elif spans < np.pi:
             while after_low > 0 and mids[after_low - 1] >= low:
                 after_low -= 1
@@ -118,18 +135,30 @@ def _first_edges(
                 after_low += 1
             while after_high > 0 and mids[after_high - 1] >= high:
                 after_high -= 1
-            _meet(local, j, 0, after_low, directions, nearest, edges)
+            _meet(local, j, none, after_low, directions, nearest, edges)
             _meet(local, j, after_high, rays, directions, nearest, edges)
 
 
-@kernel
+@inner
 def _beside(local: FloatArray, j: int) -> bool:
     return bool(abs(local[j, 0]) < _BESIDE and abs(local[j, 1]) < _BESIDE)
 
 
-@kernel
-def seen(points: FloatArray, lengths: FloatArray, k: int) -> tuple[float, float, float]:
-    """(area, perimeter, longest hidden boundary section) of the visibility polygon of vertex k.
+@inner
+def _seen(
+    points: FloatArray,
+    lengths: FloatArray,
+    k: int,
+    local: FloatArray,
+    around: FloatArray,
+    angles: FloatArray,
+    mids: FloatArray,
+    directions: FloatArray,
+    nearest: FloatArray,
+    edges: IntArray,
+) -> tuple[float, float, float]:
+    """(area, perimeter, longest hidden boundary section) of the visibility polygon of vertex k; the other arrays are
+    scratch.
 
     ``points`` (m, 2) counter-clockwise simple polygon; ``lengths`` (m + 1,) arc length at each vertex. Between the
     rays to two vertices neighbouring in angle the visible edge is one and the same, so the region is a fan of
@@ -137,9 +166,6 @@ def seen(points: FloatArray, lengths: FloatArray, k: int) -> tuple[float, float,
     boundary that a window hides.
     """
     m = points.shape[0]
-    local, around = np.empty((m, 2)), np.empty(m)
-    angles, mids, directions = np.empty(m), np.empty(m), np.empty((m, 2))
-    nearest, edges = np.empty(m), np.empty(m, dtype=np.int64)
     px, py = points[k, 0], points[k, 1]
     for j in range(m):
         i = k + j if k + j < m else k + j - m
@@ -181,13 +207,13 @@ def seen(points: FloatArray, lengths: FloatArray, k: int) -> tuple[float, float,
     return area, perimeter, hidden
 
 
-@kernel
+@inner
 def _behind(length: float, window: float) -> float:
     """Hidden length of a section of boundary behind a window: 0 if it is straight, since it is the window itself."""
     return length if length > window * (1.0 + _STRAIGHT) else 0.0
 
 
-@kernel
+@inner
 def _on_edge(ax: float, ay: float, ex: float, ey: float, dx: float, dy: float) -> tuple[float, float, float]:
     """Where the ray from the origin along d meets the edge a + u·e, u kept in [0, 1]: (x, y, length along the edge)."""
     cross = dx * ey - dy * ex
@@ -199,12 +225,15 @@ def _on_edge(ax: float, ay: float, ex: float, ey: float, dx: float, dy: float) -
 @kernel
 def seen_from(points: FloatArray, lengths: FloatArray, indices: IntArray) -> FloatArray:
     """(k, 3) area, perimeter and longest hidden section of the visibility polygons of the vertices ``indices``."""
+    m = points.shape[0]
+    local, around = np.empty((m, 2)), np.empty(m)
+    angles, mids, directions = np.empty(m), np.empty(m), np.empty((m, 2))
+    nearest, edges = np.empty(m), np.empty(m, dtype=np.int64)
     views = np.empty((len(indices), 3))
     for row in range(len(indices)):
-        area, perimeter, hidden = seen(points, lengths, indices[row])
-        views[row, 0] = area
-        views[row, 1] = perimeter
-        views[row, 2] = hidden
+        views[row, 0], views[row, 1], views[row, 2] = _seen(
+            points, lengths, indices[row], local, around, angles, mids, directions, nearest, edges
+        )
     return views
 
 
