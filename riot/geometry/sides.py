@@ -25,6 +25,9 @@ MOST_SAG = 0.012
 """Share of the length: the mean distance of a side from its chord, with its sign, is less. Two thirds of the height of
 a shallow arc, which is no straight side."""
 
+LEAST_STEP = 1e-3
+"""Share of a side's length that a step along it counts at least."""
+
 ANGLE_TOLERANCE = np.radians(8.0)
 """Radians: angles between sides count as right or flat within this."""
 
@@ -107,7 +110,8 @@ def side_rows(points: FloatArray, sides: Sides) -> tuple[IntArray, FloatArray]:
     normals = np.stack([-chords[:, 1], chords[:, 0]], axis=1) / lengths[:, None]
     for start, stop, chord, length, normal in zip(starts, stops, chords, lengths, normals, strict=True):
         run = np.arange(start, stop + 1) % m
-        step = np.diff(points[run] @ (chord / length))
+        # A side that is bent so far that it runs back somewhere is as stiff there as where it hardly goes on.
+        step = np.maximum(np.diff(points[run] @ (chord / length)), LEAST_STEP * length)
         before, after = step[:-1], step[1:]
         weight = length / np.sqrt(0.5 * (before + after))
         share = np.stack([weight / before, -weight * (1.0 / before + 1.0 / after), weight / after], axis=1)

@@ -173,3 +173,13 @@ def test_round_shapes_have_no_straight_sides() -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 300, endpoint=False)
     disc = Shape.from_polygon(np.stack([np.cos(angle), np.sin(angle)], axis=1))
     assert len(straight_sides(disc.points).ends) == 0
+
+
+def test_a_side_that_runs_back_has_finite_stiffness() -> None:
+    square = Shape.from_polygon([(0, 0), (1, 0), (1, 1), (0, 1)], "square")
+    sides = straight_sides(square.points)
+    folded = square.points.copy()
+    middle = (sides.ends[0, 0] + sides.ends[0, 1]) // 2
+    folded[[middle, middle + 1]] = folded[[middle + 1, middle]]
+    _, vectors = side_rows(folded, sides)
+    assert np.isfinite(vectors).all()
