@@ -32,7 +32,8 @@ from rich.table import Table
 
 from riot.construction.bend import bend_plans
 from riot.construction.plan import ConstructionPlan
-from riot.construction.trunk_choice import construct_plans, find_plans
+from riot.construction.plan_search import find_plans
+from riot.construction.plan_transform import construct_plans
 from riot.errors import RiotError
 from riot.geometry.bend import Bend
 from riot.geometry.modes import Modes, modes

@@ -35,8 +35,8 @@ from riot.construction.given_trunks import given_pair
 from riot.construction.laplacian.method import construct_laplacian
 from riot.construction.laplacian.residual import residuals
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_pair
-from riot.construction.plan_transform import construct_plan
-from riot.construction.trunk_choice import construct_plans, refine_best
+from riot.construction.plan_search import refine_best
+from riot.construction.plan_transform import construct_plan, construct_plans
 from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read

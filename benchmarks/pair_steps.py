@@ -16,7 +16,8 @@ from overlay import overlay_best_trunk_pairs
 from shape_steps import Shapes
 from table import Row, row
 
-from riot.construction.trunk_choice import construct_plans, refine_scored
+from riot.construction.plan_search import refine_scored
+from riot.construction.plan_transform import construct_plans
 from riot.geometry.shape import Shape
 from riot.kernels.coverage import area_terms
 from riot.parameters import ConstructParameters, CrsParameters, RefineParameters

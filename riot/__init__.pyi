@@ -15,7 +15,7 @@ from . import types as types
 from . import units as units
 from .construction.pins import Pins as Pins
 from .construction.pins import load_pins as load_pins
-from .construction.trunk_choice import alternatives as alternatives
+from .construction.plan_search import alternatives as alternatives
 from .draw.result_table import to_frame as to_frame
 from .errors import ConstructionError as ConstructionError
 from .errors import FormatError as FormatError

@@ -40,7 +40,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Ar
 
     def construct() -> Artifact:
         try:
-            return _measured(construction.trunk_choice.construct_plans(plans, unplanned, settings), settings.method)
+            return _measured(construction.plan_transform.construct_plans(plans, unplanned, settings), settings.method)
         except ConstructionError as error:
             return _rejected(error.reason, str(error))
         except TrunkError as error:

@@ -31,7 +31,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     batch_p, batch_q, cross = inputs
     settings, spacing, allowed = parameters
     p, q = expect_shape(batch_p, spec[0]), expect_shape(batch_q, spec[1])
-    choose = construction.trunk_choice
+    choose = construction.plan_search
     pairs = choose.trunk_pairs(p, q, unpack_scores(cross), settings.reach)
     errors: list[ErrorRow] = []
     plans, unplanned = attempt(0, lambda: choose.plan_pairs(pairs, settings), errors) or ([], [])
@@ -64,7 +64,7 @@ def unpack_plans(
     artifact: Artifact, cross: Artifact, p: Shape, q: Shape, reach: float
 ) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
     """The plans that `run` packed, and the errors of the trunk pairs without a plan."""
-    pairs, arrays = construction.trunk_choice.trunk_pairs(p, q, unpack_scores(cross), reach), artifact.arrays
+    pairs, arrays = construction.plan_search.trunk_pairs(p, q, unpack_scores(cross), reach), artifact.arrays
     plans = [
         construction.plan.ConstructionPlan(
             pairs[which], np.stack([trunk[:, :2], trunk[:, 2:]]), float(bounds[0]), float(bounds[1])

@@ -9,7 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from riot.construction.trunk_choice import construct_plans, plan_pairs, refine_best, trunk_pairs
+from riot.construction.plan_search import plan_pairs, refine_best, trunk_pairs
+from riot.construction.plan_transform import construct_plans
 from riot.errors import RiotError, TrunkError
 from riot.geometry.shape import Shape
 from riot.parameters import (

@@ -19,7 +19,7 @@ def add_inputs(parser: Parser) -> None:
 
 
 def add_pieces(parser: Parser) -> None:
-    """Add the option ``--pieces`` to a command: `riot.construction.trunk_choice.PieceCounts`."""
+    """Add the option ``--pieces`` to a command: `riot.construction.plan_search.PieceCounts`."""
     parser.add_argument(
         "--pieces", type=_counts, metavar="N[..M]", help="number of pieces, such as 4 or 3..5 (default: any)"
     )

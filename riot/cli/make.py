@@ -16,8 +16,9 @@ from riot.cli.parser import DONE, EXIT_CODES, Parser
 from riot.cli.show import transform_facts, transform_lines
 from riot.construction.pins import load_pins
 from riot.construction.plan import ConstructionPlan
+from riot.construction.plan_search import PieceCounts, alternatives
 from riot.construction.plan_transform import construct_plan
-from riot.construction.trunk_choice import PieceCounts, alternatives, construct
+from riot.construction.trunk_choice import construct
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.animate import animate_svg
 from riot.draw.figure import draw_transform

@@ -8,7 +8,7 @@ from riot.cli.inputs import add_inputs, add_pieces, read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.table import Table
-from riot.construction.trunk_choice import alternatives
+from riot.construction.plan_search import alternatives
 from riot.kernels.warm import compile_used
 
 

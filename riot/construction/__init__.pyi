@@ -5,6 +5,7 @@ from . import bend_contact as bend_contact
 from . import bend_objective as bend_objective
 from . import bent_side as bent_side
 from . import conjugate as conjugate
+from . import contact as contact
 from . import detail as detail
 from . import dissected_plan as dissected_plan
 from . import dissection as dissection
@@ -16,6 +17,7 @@ from . import partition as partition
 from . import pinned_paths as pinned_paths
 from . import pins as pins
 from . import plan as plan
+from . import plan_search as plan_search
 from . import plan_transform as plan_transform
 from . import refine as refine
 from . import tree as tree
@@ -32,6 +34,6 @@ from .pins import Pins as Pins
 from .pins import draw as draw
 from .pins import keep as keep
 from .pins import load_pins as load_pins
+from .plan_search import alternatives as alternatives
 from .plan_transform import construct_plan as construct_plan
-from .trunk_choice import alternatives as alternatives
 from .trunk_choice import construct as construct

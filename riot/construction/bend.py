@@ -15,7 +15,7 @@ import numpy as np
 from riot.construction.bend_climb import BendClimb, BendState
 from riot.construction.bend_objective import BendObjective
 from riot.construction.bent_side import BentSide
-from riot.construction.dissected_plan import require_plan_contact
+from riot.construction.contact import require_plan_contact
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_on
 from riot.construction.refine import refine
 from riot.construction.tuning import CONJUGATE_STEPS, EDGE_TOLERANCE, EXACT_BOUND, LARGE_TURN, SHARPNESS, SOFTEST

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from riot.construction.contact import backwards
 from riot.construction.dissection import Dissection, dissect
-from riot.construction.mesh import mesh_convex
-from riot.construction.partition import require_contact
 from riot.construction.pinned_paths import pinned_paths
 from riot.construction.pins import Pins
 from riot.errors import ConstructionError
@@ -20,8 +19,7 @@ from riot.parameters import ConstructParameters, DetailParameters
 from riot.transform.certificate import certify
 from riot.transform.pose import rotate
 from riot.transform.transform import Piece, Transform
-from riot.types import FloatArray, IntArray
-from riot.units import L_C
+from riot.types import FloatArray
 
 if TYPE_CHECKING:
     from riot.construction.plan import ConstructionPlan
@@ -108,34 +106,12 @@ def dissect_plan(
     4
     """
     # A dissection is made in a counter-clockwise trunk, region k on the edge from corner k to corner k + 1.
-    lower, upper = _backwards(plan.arcs_p, plan.offsets_p), _backwards(plan.arcs_q, plan.offsets_q)
+    lower, upper = backwards(plan.arcs_p, plan.offsets_p), backwards(plan.arcs_q, plan.offsets_q)
     return DissectedPlan(
         plan,
         dissect(plan.trunk_q[::-1], lower, parameters, "Q's trunk", detail),
         dissect(plan.trunk_p, upper, parameters, "P's trunk", detail),
     )
-
-
-def require_plan_contact(plan: ConstructionPlan, spacing: float, allowed: float) -> None:
-    """Raise ConstructionError if a piece would lose contact with its trunk edge; far cheaper than `dissect_plan`.
-
-    ``spacing`` and ``allowed`` as `spacing` and `max_lost_contact` of `riot.parameters.ConstructParameters`.
-    """
-    for trunk, arcs, label in (
-        (plan.trunk_q[::-1], _backwards(plan.arcs_p, plan.offsets_p), "Q's trunk"),
-        (plan.trunk_p, _backwards(plan.arcs_q, plan.offsets_q), "P's trunk"),
-    ):
-        try:
-            require_contact(mesh_convex(trunk, L_C / spacing), *arcs, allowed)
-        except ConstructionError as error:
-            raise ConstructionError(error.reason, f"in {label}: {error}") from None
-
-
-def _backwards(arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntArray]:
-    """The arcs in opposite order, each read backwards: what runs clockwise around a trunk then runs
-    counter-clockwise."""
-    total = offsets[-1]
-    return np.ascontiguousarray(arcs[::-1]), (total - offsets[::-1]).astype(np.int64)
 
 
 def _in_piece_frame(path: FloatArray, start: FloatArray, stop: FloatArray, length: float) -> FloatArray:

@@ -1,6 +1,8 @@
-"""Construct the transform of one plan: by the exact method, with its certificate, or by the paper's (theory §8)."""
+"""Construct the transform of a plan, or the best of several: by the exact method or by the paper's (theory §8)."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from riot.construction.dissected_plan import dissect_plan
 from riot.construction.laplacian.method import construct_laplacian
@@ -9,6 +11,7 @@ from riot.construction.plan import ConstructionPlan
 from riot.errors import ConstructionError
 from riot.parameters import ConstructParameters
 from riot.transform.certificate import certify
+from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
 
 
@@ -36,3 +39,48 @@ def construct_plan(plan: ConstructionPlan, parameters: ConstructParameters, pins
         reason = "overlap" if certificate.p.simple and certificate.q.simple else "not-simple"
         raise ConstructionError(reason, f"the certificate fails: {certificate.failure}")
     return transform
+
+
+def construct_plans(
+    plans: Sequence[ConstructionPlan],
+    unplanned: Sequence[ConstructionError],
+    parameters: ConstructParameters,
+    pins: Pins | None = None,
+) -> Transform:
+    """Construct the plans in turn until ``attempts`` succeed, and return the transform of highest IoU.
+
+    A plan whose bound is no higher than an IoU that is reached is left out. An exact transform must pass its
+    certificate. Raises ConstructionError with the first reason if no plan gives a transform.
+
+    >>> from riot import Shape
+    >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
+    >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
+    >>> from riot.construction import alternatives
+    >>> plan = alternatives(house, kite)[0]
+    >>> len(construct_plans([plan], [], ConstructParameters()))  # pieces
+    4
+    """
+    best: Transform | None = None
+    best_iou = -1.0
+    failures: list[ConstructionError] = []
+    succeeded = 0
+    for plan in plans:
+        if succeeded == parameters.attempts:
+            break
+        if best is not None and plan.bound <= best_iou:
+            continue
+        try:
+            transform = construct_plan(plan, parameters, pins)
+        except ConstructionError as error:
+            failures.append(error)
+            continue
+        succeeded += 1
+        iou = min(overlap_ratios(transform))
+        if iou > best_iou:
+            best, best_iou = transform, iou
+    if best is None:
+        first = [*failures, *unplanned][0]
+        count = len(plans) + len(unplanned)
+        tried = "the trunk pair gives no" if count == 1 else f"none of {count} trunk pairs gives an"
+        raise ConstructionError(first.reason, f"{tried} exact transform; the most promising: {first}")
+    return best

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from riot.construction.plan import ConstructionPlan
-from riot.construction.trunk_choice import drop_without_contact, find_plans
+from riot.construction.plan_search import drop_without_contact, find_plans
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
 from riot.parameters import ConstructParameters, RefineParameters

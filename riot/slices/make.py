@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from riot.construction.trunk_choice import construct_plans
+from riot.construction.plan_transform import construct_plans
 from riot.errors import FabricationError, RiotError, SilhouetteError
 from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix
 from riot.fabricate.plates import lay_out

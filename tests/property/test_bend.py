@@ -17,8 +17,9 @@ from riot.construction.bend_objective import BendObjective
 from riot.construction.bent_side import BentSide
 from riot.construction.given_trunks import given_pair
 from riot.construction.plan import ConstructionPlan, plan_pair
+from riot.construction.plan_search import plan_pairs, refine_best, trunk_pairs
 from riot.construction.plan_transform import construct_plan
-from riot.construction.trunk_choice import construct, plan_pairs, refine_best, trunk_pairs
+from riot.construction.trunk_choice import construct
 from riot.geometry.bend import bend_shape
 from riot.geometry.modes import Modes, modes
 from riot.geometry.polyline import edge_lengths, is_simple

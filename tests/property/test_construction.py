@@ -17,9 +17,9 @@ from riot.construction.conjugate import is_convex, make_conjugate
 from riot.construction.mesh import mesh_convex
 from riot.construction.partition import label_cells
 from riot.construction.plan import TrunkPair, plan_pair
+from riot.construction.plan_search import alternatives
 from riot.construction.plan_transform import construct_plan
 from riot.construction.tree import cell_paths, dissection_tree
-from riot.construction.trunk_choice import alternatives
 from riot.geometry.polyline import edge_lengths
 from riot.groundtruth.pairs import dudeney, exact_pair
 from riot.parameters import ConstructParameters, RefineParameters, TrunkParameters

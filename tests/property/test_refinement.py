@@ -11,9 +11,9 @@ from blobs import blob, pair_shapes
 from riot import Shape
 from riot.construction.given_trunks import given_pair
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_pair
+from riot.construction.plan_search import drop_without_contact, refine_best
 from riot.construction.plan_transform import construct_plan
 from riot.construction.refine import refine
-from riot.construction.trunk_choice import drop_without_contact, refine_best
 from riot.errors import ConstructionError
 from riot.geometry.polyline import edge_lengths
 from riot.groundtruth.pairs import exact_pair
