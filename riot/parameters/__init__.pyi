@@ -9,6 +9,7 @@ from .field import Parameter as Parameter
 from .field import ParameterGroup as ParameterGroup
 from .field import allowed_range as allowed_range
 from .field import parameter as parameter
+from .likeness import LikenessParameters as LikenessParameters
 from .motion import MotionParameters as MotionParameters
 from .qcrs import QCRS_VARIANTS as QCRS_VARIANTS
 from .qcrs import QcrsParameters as QcrsParameters

@@ -3,6 +3,7 @@ from . import crs as crs
 from . import edges as edges
 from . import index as index
 from . import leaves as leaves
+from . import likeness as likeness
 from . import qcrs as qcrs
 from . import ragged as ragged
 from . import reversibility as reversibility
