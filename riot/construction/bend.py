@@ -233,7 +233,7 @@ def _bent_plan(task: _Task) -> BentPlan:
         trunks.append(bend.field.moved.mean(axis=0) + task.state.trunks[which] - nodes.mean(axis=0))
     pair = task.plan.pair
     bent_pair = TrunkPair(
-        bends[0].bent, bends[1].bent, outlines[0], outlines[1], pair.trunk_p, pair.trunk_q, pair.reach
+        bends[0].bent, bends[1].bent, outlines[0], outlines[1], pair.trunk_p, pair.trunk_q, pair.reach, *bends
     )
     conjugate, _ = conjugated(np.stack(trunks), EDGE_TOLERANCE, CONJUGATE_STEPS)
     plan = plan_on(bent_pair, conjugate, task.refinement.bound_lines)

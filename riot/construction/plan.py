@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from riot.transform.transform import Piece, Transform
 from riot.types import FloatArray, IntArray
 from riot.units import L_C
 
+if TYPE_CHECKING:  # a plan computes nothing with it
+    from riot.geometry.bend import Bend
+
 WindowedOutlines = tuple[FloatArray, IntArray, FloatArray, IntArray]
 """Outline and windows of P, of Q, as `riot.kernels.change.least_changes` reads them."""
 
@@ -30,7 +34,7 @@ class TrunkPair:
     Parameters
     ----------
     p, q : Shape
-        The inputs.
+        The inputs, or what they were bent to.
     outline_p, outline_q : (m, 2) float64
         Their outlines, with the trunk vertices among the points.
     trunk_p, trunk_q : (n,) int64
@@ -38,6 +42,8 @@ class TrunkPair:
     reach : float
         How far along the outline from its trunk vertex the point may lie where two arcs part, in units of ``L_c``;
         never farther than half-way to the next trunk vertex.
+    bend_p, bend_q : Bend, optional
+        What was done to the inputs, where they were bent to ``p`` and ``q``.
     """
 
     p: Shape
@@ -47,6 +53,8 @@ class TrunkPair:
     trunk_p: IntArray
     trunk_q: IntArray
     reach: float = RefineParameters.reach
+    bend_p: Bend | None = None
+    bend_q: Bend | None = None
 
     @cached_property
     def corners(self) -> FloatArray:
@@ -145,6 +153,8 @@ class ConstructionPlan:
             trunk_q=trunk_q,
             bound_p=self.bound_p,
             bound_q=self.bound_q,
+            bend_p=self.pair.bend_p,
+            bend_q=self.pair.bend_q,
         )
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy.typing as npt
 
 from riot.construction.bend import bend_best
 from riot.construction.given_trunks import given_pair
 from riot.construction.pins import Pins
+from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_search import PieceCounts, find_plans, plan_pairs, refine_best
 from riot.construction.plan_transform import construct_plans
 from riot.errors import ConstructionError, TrunkError
@@ -44,7 +47,8 @@ def construct(
     pieces : two int, optional
         Least and greatest number of pieces; any number by default. Given trunks have theirs.
     bend : BendParameters, optional
-        With ``method="elastic"`` both shapes are bent a little first, and the transform is that of the bent shapes;
+        With ``method="elastic"`` both shapes are bent a little first, and the transform is that of the bent shapes,
+        ``p`` and ``q``; it keeps a and b as ``input_p`` and ``input_q``.
         `riot.construction.bend.bend_best` tells how they are bent. Plans that are not bent are tried after those that
         are. Not with pins.
 
@@ -73,6 +77,27 @@ def construct(
         plans = sorted({*refine_best(plans, refinement), *plans}, key=lambda plan: -plan.bound)
     else:
         plans, unplanned = find_plans(a, b, refinement, pieces)
+    return construct_bent(plans, unplanned, parameters, refinement, pins, bend)
+
+
+def construct_bent(
+    plans: Sequence[ConstructionPlan],
+    unplanned: Sequence[ConstructionError],
+    parameters: ConstructParameters,
+    refinement: RefineParameters | None = None,
+    pins: Pins | None = None,
+    bend: BendParameters | None = None,
+) -> Transform:
+    """Construct plans of one pair of shapes on bent shapes, if ``bend`` asks for it and one of them can be constructed.
+
+    Otherwise as `construct_plans`, errors, too. Raises ConstructionError ``pins`` if there are pins and a bend.
+
+    >>> from riot.construction import alternatives
+    >>> plans = alternatives(house, kite)
+    >>> bent = construct_bent(plans, [], ConstructParameters(), bend=BendParameters(method="elastic", steps=8))
+    >>> bent.input_p is house
+    True
+    """
     if bend is not None and bend.method == "elastic" and plans:
         if pins:
             raise ConstructionError("pins", "pins are sections of the inputs' outlines: bend.method=off keeps these")

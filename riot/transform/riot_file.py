@@ -8,24 +8,31 @@ import math
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from riot.errors import FormatError
 from riot.geometry.limits import JSON_BYTES, TooManyBytes, read_text
-from riot.geometry.shape import Shape
-from riot.transform import history
+from riot.transform import bend_document, history, shape_document
 from riot.transform.motion_document import from_document, to_document
 from riot.transform.pose import Placement
+from riot.transform.shape_document import read_numbers, read_points
 from riot.transform.transform import Piece, Transform
-from riot.types import FloatArray
+
+if TYPE_CHECKING:
+    from riot.geometry.bend import Bend
 
 FORMAT = "riot-transform"
 VERSION = 2
-"""Of what is written. Version 2 added the motion, which may be absent, as may the history, which readers may ignore."""
+"""Of what is written for inputs that are cut as they are. It added the motion, which may be absent, as may the history,
+which readers may ignore."""
 
-READABLE = (1, 2)
+BENT_VERSION = 3
+"""Of what is written where an input was bent: ``p`` and ``q`` are the bent shapes, and ``bend_p`` and ``bend_q`` have
+the inputs, and the maps from them."""
+
+READABLE = (1, 2, 3)
 """Versions that can be read."""
 
 MAX_PIECES = 256
@@ -33,6 +40,9 @@ MAX_PIECES = 256
 
 MAX_POINTS = 200_000
 """So is one with more points in all."""
+
+
+_BENDS = ("bend_p", "bend_q")
 
 
 def to_json(transform: Transform) -> str:
@@ -45,7 +55,7 @@ def to_json(transform: Transform) -> str:
     """
     document: dict[str, Any] = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": BENT_VERSION if _bends(transform) else VERSION,
         "pieces": [
             {"length": piece.length, "lower": piece.lower.tolist(), "upper": piece.upper.tolist()}
             for piece in transform.pieces
@@ -54,13 +64,14 @@ def to_json(transform: Transform) -> str:
         "conjugate_angles": transform.conjugate_angles.tolist(),
         "place_p": [transform.place_p.x, transform.place_p.y, transform.place_p.heading],
         "place_q": [transform.place_q.x, transform.place_q.y, transform.place_q.heading],
-        "p": _shape_document(transform.p),
-        "q": _shape_document(transform.q),
+        "p": shape_document.to_document(transform.p),
+        "q": shape_document.to_document(transform.q),
         "trunk_p": transform.trunk_p.tolist(),
         "trunk_q": transform.trunk_q.tolist(),
         "bound_p": transform.bound_p,
         "bound_q": transform.bound_q,
     }
+    document |= {name: bend_document.to_document(bend) for name, bend in _bends(transform).items()}
     if transform.plan is not None:
         document["motion"] = to_document(transform.plan)
     if transform.history is not None:
@@ -84,7 +95,7 @@ def from_json(text: str, where: str = "text") -> Transform:
     if document.get("version") not in READABLE:
         raise FormatError(
             f"{where} has version {document.get('version')!r}; this program reads versions "
-            f"{' and '.join(map(str, READABLE))}: "
+            f"{', '.join(map(str, READABLE))}: "
             "use the program that wrote it, or construct the transform again"
         )
     try:
@@ -128,27 +139,9 @@ def load(path: str | os.PathLike[str]) -> Transform:
     return from_json(text, str(path))
 
 
-def _shape_document(shape: Shape) -> dict[str, Any]:
-    return {
-        "name": shape.name,
-        "points": shape.points.tolist(),
-        "feature": np.flatnonzero(shape.feature).tolist(),
-        "to_source": shape.to_source.tolist(),
-    }
-
-
-def _points(value: Any) -> FloatArray:
-    points = np.asarray(value, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-        raise ValueError(f"points of shape {points.shape} where (k, 2) finite numbers belong")
-    return points
-
-
-def _finite(values: Any) -> list[float]:
-    numbers = [float(value) for value in values]
-    if not np.isfinite(numbers).all():
-        raise ValueError(f"{numbers} where finite numbers belong")
-    return numbers
+def _bends(transform: Transform) -> dict[str, Bend]:
+    bends = zip(_BENDS, (transform.bend_p, transform.bend_q), strict=True)
+    return {name: bend for name, bend in bends if bend is not None}
 
 
 def _bound(value: Any) -> float:
@@ -159,43 +152,39 @@ def _bound(value: Any) -> float:
 
 
 def _piece(document: dict[str, Any]) -> Piece:
-    (length,) = _finite([document["length"]])
-    lower, upper = _points(document["lower"]), _points(document["upper"])
+    (length,) = read_numbers([document["length"]])
+    lower, upper = read_points(document["lower"]), read_points(document["upper"])
     ends = np.array([[0.0, 0.0], [length, 0.0]])
     if length <= 0.0 or not (np.array_equal(lower[[0, -1]], ends) and np.array_equal(upper[[-1, 0]], ends)):
         raise ValueError(f"a piece's arcs do not run between (0, 0) and ({length}, 0)")
     return Piece(length, lower, upper)
 
 
-def _shape(document: dict[str, Any]) -> Shape:
-    points = _points(document["points"])
-    feature = np.zeros(len(points), dtype=bool)
-    feature[document["feature"]] = True
-    to_source = np.asarray(document["to_source"], dtype=np.float64).reshape(2, 3)
-    if not np.isfinite(to_source).all():
-        raise ValueError("a shape's to_source is not finite")
-    return Shape(points, feature, str(document["name"]), to_source)
-
-
 def _transform(document: dict[str, Any]) -> Transform:
     _refuse_size(document)
     pieces = tuple(_piece(piece) for piece in document["pieces"])
-    angles, conjugate = np.array(_finite(document["angles"])), np.array(_finite(document["conjugate_angles"]))
+    angles, conjugate = np.array(read_numbers(document["angles"])), np.array(read_numbers(document["conjugate_angles"]))
     if len(pieces) < 3 or angles.shape != (len(pieces),) or conjugate.shape != angles.shape:
         raise ValueError(f"{len(pieces)} pieces, {angles.shape} and {conjugate.shape} angles")
     transform = Transform(
         pieces=pieces,
         angles=angles,
         conjugate_angles=conjugate,
-        place_p=Placement(*_finite(document["place_p"])),
-        place_q=Placement(*_finite(document["place_q"])),
-        p=_shape(document["p"]),
-        q=_shape(document["q"]),
-        trunk_p=_points(document["trunk_p"]),
-        trunk_q=_points(document["trunk_q"]),
+        place_p=Placement(*read_numbers(document["place_p"])),
+        place_q=Placement(*read_numbers(document["place_q"])),
+        p=shape_document.from_document(document["p"]),
+        q=shape_document.from_document(document["q"]),
+        trunk_p=read_points(document["trunk_p"]),
+        trunk_q=read_points(document["trunk_q"]),
         bound_p=_bound(document["bound_p"]),
         bound_q=_bound(document["bound_q"]),
     )
+    if document["version"] == BENT_VERSION:
+        bend_p, bend_q = (
+            bend_document.from_document(document[name], bent) if name in document else None
+            for name, bent in zip(_BENDS, (transform.p, transform.q), strict=True)
+        )
+        transform = replace(transform, bend_p=bend_p, bend_q=bend_q)
     if document.get("history") is not None:
         transform = replace(transform, history=history.from_document(document["history"]))
     if document.get("motion") is None:
@@ -210,5 +199,7 @@ def _refuse_size(document: dict[str, Any]) -> None:
         raise ValueError(f"{len(pieces)} pieces are more than the limit of {MAX_PIECES}")
     points = sum(len(piece[side]) for piece in pieces for side in ("lower", "upper"))
     points += sum(len(document[side]["points"]) for side in "pq")
+    if document["version"] == BENT_VERSION:
+        points += sum(bend_document.count_values(document[side]) for side in _BENDS if side in document)
     if points > MAX_POINTS:
         raise ValueError(f"{points} points are more than the limit of {MAX_POINTS}")

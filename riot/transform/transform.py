@@ -23,6 +23,7 @@ from riot.transform.pose import Chain, Placement, Pose, swing
 from riot.types import FloatArray
 
 if TYPE_CHECKING:  # a transform computes nothing with them: what makes one does not depend on their code
+    from riot.geometry.bend import Bend
     from riot.transform.history import History
     from riot.transform.motion import Motion
 
@@ -69,16 +70,18 @@ class Transform(ByContent):
     place_p, place_q : Placement
         Of piece 0 in P's frame when the chain is closed as P, and in Q's when it is closed as Q.
     p, q : Shape
-        The inputs.
+        What is cut: the inputs, or what they were bent to.
     trunk_p, trunk_q : (n, 2) float64
-        Where the inputs' arcs part: the boundary points nearest to the trunks' corners, in corresponding order,
+        Where their arcs part: the boundary points nearest to the trunks' corners, in corresponding order,
         ``trunk_p`` counter-clockwise, ``trunk_q`` clockwise.
     bound_p, bound_q : float
-        The highest IoU with the inputs that an exact construction on these conjugate trunks can have (theory §8).
+        The highest IoU with them that an exact construction on these conjugate trunks can have (theory §8).
     plan : Motion, optional
         How the pieces swing, where that is planned already.
     history : History, optional
         From which pictures, by which parameters, code and libraries it was made.
+    bend_p, bend_q : Bend, optional
+        What was done to the inputs before they were cut; ``bend_p.bent`` is ``p``.
     """
 
     pieces: tuple[Piece, ...]
@@ -94,12 +97,32 @@ class Transform(ByContent):
     bound_q: float = math.nan
     plan: Motion | None = None
     history: History | None = None
+    bend_p: Bend | None = None
+    bend_q: Bend | None = None
 
     def __repr__(self) -> str:
         return f"Transform({self.p.name!r} ⇄ {self.q.name!r}, {count(len(self), 'piece')})"
 
     def __len__(self) -> int:
         return len(self.pieces)
+
+    @property
+    def input_p(self) -> Shape:
+        """P as it was given, before it was bent.
+
+        >>> transform.input_p is transform.p  # nothing was bent
+        True
+        """
+        return self.p if self.bend_p is None else self.bend_p.shape
+
+    @property
+    def input_q(self) -> Shape:
+        """Q as it was given, before it was bent.
+
+        >>> transform.input_q is transform.q
+        True
+        """
+        return self.q if self.bend_q is None else self.bend_q.shape
 
     @cached_property
     def chain(self) -> Chain:

@@ -9,6 +9,8 @@ import numpy as np
 from hypothesis import strategies as st
 from PIL import Image, ImageDraw
 
+from riot.geometry.bend import bend_shape
+from riot.geometry.modes import modes
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.motion import with_motion
 from riot.transform.history import History, HistoryStep
@@ -73,7 +75,9 @@ def transforms() -> list[bytes]:
         "riot make", ("a" * 64, "b" * 64), (HistoryStep("ingest", {"spacing": 100.0}, "c", ("d",)),), {"a": "1"}
     )
     made = exact_transform(exact_pair(3, 1))
-    return [to_json(one).encode() for one in (made, replace(with_motion(made), history=history))]
+    bend = bend_shape(modes(made.p, 6), np.full(6, 0.01))
+    bent = replace(made, p=bend.bent, bend_p=bend)
+    return [to_json(one).encode() for one in (made, replace(with_motion(made), history=history), bent)]
 
 
 def damages(most: int = 6) -> st.SearchStrategy[list[Damage]]:
