@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from riot.cli.parser import Parser
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
+from riot.parameters import BendParameters
 
 PICTURE = "a picture (PNG, GIF, BMP, TIFF, JPEG) or an SVG file"
 
@@ -25,6 +27,20 @@ def add_pieces(parser: Parser) -> None:
     )
 
 
+def add_bend(parser: Parser) -> None:
+    """Add the option ``--bend`` to a command: how to bend the inputs first, None for not at all."""
+    default = BendParameters.weight
+    parser.add_argument(
+        "--bend",
+        nargs="?",
+        type=_bend,
+        const=BendParameters(method="elastic"),
+        metavar="WEIGHT",
+        help="bend both shapes a little before they are cut, so that more of them stays; the greater the weight, the "
+        f"less they bend ({default:g} if none is given, off for not at all, which is the default)",
+    )
+
+
 def read_inputs(path_a: Path, path_b: Path) -> tuple[Shape, Shape]:
     """The two shapes, named so that they can be told apart; raises `riot.errors.SilhouetteError`, OSError."""
     return _named(path_a, path_b), _named(path_b, path_a)
@@ -38,6 +54,18 @@ def _counts(text: str) -> tuple[int, int]:
     if not 3 <= counts[0] <= counts[1]:
         raise argparse.ArgumentTypeError(f"{text!r} is no range of numbers of pieces: there are 3 or more")
     return counts
+
+
+def _bend(text: str) -> BendParameters | None:
+    if text == "off":
+        return None
+    try:
+        weight = float(text)
+    except ValueError:
+        weight = math.nan
+    if not 0.0 <= weight < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a weight, a number of 0 or more, nor off")
+    return BendParameters(method="elastic", weight=weight)
 
 
 def _named(path: Path, other: Path) -> Shape:

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from riot.cli.inputs import add_inputs, add_pieces, read_inputs
+from riot.cli.inputs import add_bend, add_inputs, add_pieces, read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import DONE, EXIT_CODES, Parser
 from riot.cli.show import transform_facts, transform_lines
@@ -18,7 +18,7 @@ from riot.construction.pins import load_pins
 from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_search import PieceCounts, alternatives
 from riot.construction.plan_transform import construct_plan
-from riot.construction.trunk_choice import construct
+from riot.construction.trunk_choice import construct, construct_bent
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.animate import animate_svg
 from riot.draw.figure import draw_transform
@@ -30,6 +30,7 @@ from riot.errors import TrunkError
 from riot.kernels.warm import compile_used
 from riot.motion.planner import with_motion
 from riot.parameters import (
+    BendParameters,
     ConstructParameters,
     CrsParameters,
     MotionParameters,
@@ -64,6 +65,7 @@ class Wishes:
     pieces: PieceCounts | None = None
     pictures: Mapping[Side, Path] | None = None
     """Colour pictures of P and Q, of the same size as the inputs: what the pieces show."""
+    bend: BendParameters | None = None
 
 
 def add_options(parser: Parser) -> None:
@@ -72,6 +74,7 @@ def add_options(parser: Parser) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="where results go")
     parser.add_argument("--rank", type=int, metavar="K", help="use the trunk pair of this rank of `riot trunks`")
     add_pieces(parser)
+    add_bend(parser)
     parser.add_argument("--pins", type=Path, metavar="FILE", help="keep or redraw stretches of the outlines (JSON)")
     parser.add_argument(
         "--method", choices=("exact", "laplacian"), default="exact", help="laplacian: the paper's, not exact"
@@ -81,8 +84,8 @@ def add_options(parser: Parser) -> None:
         type=_ratio,
         default=MIN_IOU,
         metavar="IOU",
-        help="likeness that both shapes must have: below it the exit code is 4, and the files are written all the same "
-        "(default: %(default)s)",
+        help="likeness that both shapes must have, as they are bent if they are: below it the exit code is 4, and the "
+        "files are written all the same (default: %(default)s)",
     )
     parser.add_argument("--gif", action="store_true", help="film the motion as an animated GIF too")
     parser.add_argument("--mp4", action="store_true", help="film it as an MP4 too (needs the extra 'film')")
@@ -100,7 +103,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     films = tuple(f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind))
     pictures = {side: path for side in SIDES if (path := getattr(chosen, f"texture_{side}"))}
-    wishes = Wishes(films, chosen.rank, chosen.pins, chosen.method, chosen.pieces, pictures)
+    wishes = Wishes(films, chosen.rank, chosen.pins, chosen.method, chosen.pieces, pictures, chosen.bend)
     transform = make(chosen.a, chosen.b, chosen.output, wishes, output)
     if min(overlap_ratios(transform)) >= chosen.min_iou:
         return DONE
@@ -112,10 +115,16 @@ def poor_likeness(transform: Transform, least: float) -> str:
     """Say that a transform's shapes are not like its inputs, and what to do; ``least`` is the IoU that is asked for."""
     ious = zip((transform.p.name, transform.q.name), overlap_ratios(transform), strict=True)
     likeness = " and ".join(f"{iou:.2f} with {name}" for name, iou in ious)
+    if transform.bend_p is None and transform.bend_q is None:
+        bend = "Bend both shapes a little first (--bend)"
+    else:
+        strains = (0.0 if bend is None else bend.rms_strain for bend in (transform.bend_p, transform.bend_q))
+        likeness += f" as they are bent, by strains of {' and '.join(f'{strain:.1%}' for strain in strains)}"
+        bend = "Bend both shapes more (--bend with a smaller weight)"
     return (
         f"poor likeness: the IoU is {likeness}, and --min-iou asks for {least:g}. These shapes do not turn well into "
-        "each other, so that people may not recognise them. Try another trunk pair (`riot trunks A B` lists them, "
-        "--rank K takes one), or look for a better partner (`riot match A --in RUN`)"
+        f"each other, so that people may not recognise them. {bend}, try another trunk pair (`riot trunks A B` lists "
+        "them, --rank K takes one), or look for a better partner (`riot match A --in RUN`)"
     )
 
 
@@ -137,9 +146,13 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
     output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
     parameters = ConstructParameters(method=wishes.method)
     if wishes.rank is None:
-        transform = construct(a, b, parameters=parameters, pins=pins, pieces=wishes.pieces)
+        transform = construct(a, b, parameters=parameters, pins=pins, pieces=wishes.pieces, bend=wishes.bend)
     else:
-        transform = construct_plan(_ranked(alternatives(a, b, pieces=wishes.pieces), wishes.rank), parameters, pins)
+        plan = _ranked(alternatives(a, b, pieces=wishes.pieces), wishes.rank)
+        if wishes.bend is None:
+            transform = construct_plan(plan, parameters, pins)
+        else:
+            transform = construct_bent([plan], [], parameters, pins=pins, bend=wishes.bend)
     if certify(transform).passed:
         transform = with_motion(transform)
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
@@ -174,6 +187,8 @@ def _history(path_a: Path, path_b: Path, parameters: ConstructParameters, wishes
         "construct": {**asdict(parameters), "rank": wishes.rank, "pins": pins, "pieces": wishes.pieces},
         "motion": asdict(MotionParameters()),
     }
+    if wishes.bend is not None:
+        steps["bend"] = asdict(wishes.bend)
     return record_history("riot make", (path_a, path_b), steps)
 
 

@@ -14,7 +14,7 @@ from riot.cli.table import Table
 from riot.motion.planner import motion_of
 from riot.transform.centreline import centre_line_overlap
 from riot.transform.certificate import certify
-from riot.transform.deformation import change_ratio, measure_deformation
+from riot.transform.deformation import Deformation, change_ratio, measure_deformation
 from riot.transform.fidelity import bending_ratio, direction_error
 from riot.transform.history import to_document
 from riot.transform.motion import Motion
@@ -39,6 +39,15 @@ ROWS = (
     ("hinges apart", "hinge", ".1e"),
 )
 """Rows of the table: words, the name of the number in the JSON document, and how it is written."""
+
+BENT_ROWS = (
+    ("IoU with the bent input", "iou", ".4f"),
+    ("IoU with the input itself", "input_iou", ".4f"),
+    ("strain, root mean square", "rms_strain", ".2%"),
+    ("strain, greatest", "max_strain", ".2%"),
+    *ROWS[1:],
+)
+"""The same for shapes that are bent first, with which the rows after these compare."""
 
 
 def add_options(parser: Parser) -> None:
@@ -87,6 +96,7 @@ def transform_facts(transform: Transform) -> dict[str, Any]:
                 "gap": assembly.gap,
                 "hinge": assembly.hinge,
             }
+            | _bend_facts(transform, deformation, side)
         )
     return {
         "pieces": len(transform),
@@ -101,7 +111,7 @@ def transform_lines(transform: Transform, facts: Mapping[str, Any]) -> Iterator[
     names = [numbers["name"] for numbers in facts["inputs"]]
     title = f"{' ⇄ '.join(names)}, {facts['pieces']} pieces"
     rows = []
-    for words, name, form in ROWS:
+    for words, name, form in BENT_ROWS if "input_iou" in facts["inputs"][0] else ROWS:
         numbers = [number[name] for number in facts["inputs"]]
         rows.append((words, *("–" if math.isnan(number) else format(number, form) for number in numbers)))
     yield Table(("", *names), rows, title, left=("",))
@@ -112,6 +122,12 @@ def transform_lines(transform: Transform, facts: Mapping[str, Any]) -> Iterator[
     motion = motion_of(transform)
     lifting = "" if motion.flat else f", lifting at {', '.join(map(str, motion.lifted))}"
     yield f"motion: {motion.words} ({motion.search}, open at hinge {motion.open_hinge}{lifting})"
+
+
+def _bend_facts(transform: Transform, deformation: Deformation, side: str) -> dict[str, float]:
+    if transform.bend_p is None and transform.bend_q is None:
+        return {}
+    return {name: getattr(deformation, f"{name}_{side}") for name in ("input_iou", "rms_strain", "max_strain")}
 
 
 def _motion_facts(motion: Motion) -> dict[str, Any]:

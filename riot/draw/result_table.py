@@ -137,9 +137,11 @@ def _(certificate: Certificate) -> list[Row]:
 
 @rows.register
 def _(deformation: Deformation) -> list[Row]:
+    names = ["iou", "hausdorff", "mean_distance"]
+    if deformation.bent:
+        names += ["input_iou", "rms_strain", "max_strain"]
     return [
-        {"shape": side.upper()}
-        | {name: getattr(deformation, f"{name}_{side}") for name in ("iou", "hausdorff", "mean_distance")}
+        {"shape": side.upper()} | {name: getattr(deformation, f"{name}_{side}") for name in names}
         for side in ("p", "q")
     ]
 

@@ -17,7 +17,12 @@ from riot.units import L_C
 
 @dataclass(frozen=True)
 class Deformation:
-    """How far the two assembled shapes are from the inputs; distances in units of ``L_c``."""
+    """How far the two assembled shapes are from the inputs; distances in units of ``L_c``.
+
+    Inputs that were bent first count as they are bent: IoU and distances tell what cutting costs. What bending costs
+    stands beside it: the strains (`riot.geometry.bend.Bend`), and the IoU with the inputs themselves, of which a limb
+    that stands a little elsewhere takes much away. Without a bend there is no strain, and both IoUs are the same.
+    """
 
     iou_p: float
     iou_q: float
@@ -25,15 +30,26 @@ class Deformation:
     hausdorff_q: float
     mean_distance_p: float
     mean_distance_q: float
+    input_iou_p: float
+    input_iou_q: float
+    rms_strain_p: float
+    rms_strain_q: float
+    max_strain_p: float
+    max_strain_q: float
 
     @property
     def iou(self) -> float:
         """Of the worse shape."""
         return min(self.iou_p, self.iou_q)
 
+    @property
+    def bent(self) -> bool:
+        """Whether an input is bent."""
+        return max(self.max_strain_p, self.max_strain_q) > 0.0
+
 
 def overlap_ratios(transform: Transform) -> tuple[float, float]:
-    """IoU of the assembled P with P, and of the assembled Q with Q; computed once for each transform.
+    """IoU of the assembled P with P, and of the assembled Q with Q, as they are bent; computed once for each transform.
 
     >>> from riot.groundtruth.pairs import dudeney, exact_transform
     >>> min(overlap_ratios(exact_transform(dudeney()))) > 1 - 1e-9
@@ -59,7 +75,28 @@ def measure_deformation(transform: Transform) -> Deformation:
     """
     far_p, mean_p = boundary_distance(transform.outline_p(), transform.p.points)
     far_q, mean_q = boundary_distance(transform.outline_q(), transform.q.points)
-    return Deformation(*overlap_ratios(transform), far_p, far_q, mean_p, mean_q)
+    bends = transform.bend_p, transform.bend_q
+    return Deformation(
+        *overlap_ratios(transform), far_p, far_q, mean_p, mean_q,
+        *input_overlap_ratios(transform),
+        *(0.0 if bend is None else bend.rms_strain for bend in bends),
+        *(0.0 if bend is None else bend.max_strain for bend in bends),
+    )  # fmt: skip
+
+
+def input_overlap_ratios(transform: Transform) -> tuple[float, float]:
+    """IoU of the assembled P with P, and of the assembled Q with Q, as they were before they were bent.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> min(input_overlap_ratios(exact_transform(dudeney()))) > 1 - 1e-9
+    True
+    """
+    if transform.bend_p is None and transform.bend_q is None:
+        return overlap_ratios(transform)
+    return (
+        overlap_ratio(transform.outline_p(), transform.input_p.points),
+        overlap_ratio(transform.outline_q(), transform.input_q.points),
+    )
 
 
 def change_ratio(iou: float, bound: float) -> float:
