@@ -60,7 +60,7 @@ def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene
     marks.append(Label(gap, top - 24 * pen, _numbers(transform), "note", anchor="start"))
     top -= 24 * pen + line
     for row, name in zip(cells, names, strict=True):
-        captions = (f"{name} and its trunk", "what the pieces make, over it", f"{name} from {len(drawn)} pieces")
+        captions = (*_captions(drawn, name), f"{name} from {len(drawn)} pieces")
         tall = max(y1 - y0 for _, y0, _, y1 in (extent(cell, drawn.pieces) for cell in row))
         for column, (cell, caption) in enumerate(zip(row, captions, strict=True)):
             x = gap + cell_width / 2 + column * (cell_width + gap)
@@ -82,6 +82,12 @@ def _short(name: str) -> str:
     return name if len(name) <= CAPTION_LENGTH else f"{name[: CAPTION_LENGTH - 1]}…"
 
 
+def _captions(drawn: Transform, name: str) -> tuple[str, str]:
+    if drawn.bend_p is None and drawn.bend_q is None:
+        return f"{name} and its trunk", "what the pieces make, over it"
+    return f"{name}, bent (thin line), and its trunk", "what the pieces make, over both"
+
+
 def _row(drawn: Transform, side: str) -> list[list[Mark]]:
     return [input_marks(drawn, side), deformation_marks(drawn, side), dissection_marks(drawn, side)]
 
@@ -93,7 +99,8 @@ def _numbers(transform: Transform) -> str:
         if certificate.passed
         else f"not certified: {certificate.failure.split('; ')[0]}"  # the first is enough for a heading
     )
-    return f"{len(transform)} pieces · IoU {deformation.iou_p:.3f} and {deformation.iou_q:.3f} · {verdict}"
+    strain = f" · strain {deformation.rms_strain_p:.1%} and {deformation.rms_strain_q:.1%}" if deformation.bent else ""
+    return f"{len(transform)} pieces · IoU {deformation.iou_p:.3f} and {deformation.iou_q:.3f}{strain} · {verdict}"
 
 
 def _centred(marks: list[Mark], drawn: Transform, x: float, y: float) -> list[Mark]:

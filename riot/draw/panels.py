@@ -34,10 +34,13 @@ def sketch(transform: Transform, tolerance: float = SKETCH_TOLERANCE) -> Transfo
 def input_marks(transform: Transform, side: str) -> list[Mark]:
     """An input with its trunk, every trunk edge in the colour of the piece that will own it; side "p" or "q".
 
+    Of an input that is bent first the trunk lies in the bent outline, a thin line.
+
     >>> [type(mark).__name__ for mark in input_marks(transform, "p")][:3]
     ['Region', 'Region', 'Line']
     """
-    return outline_with_trunk(*_input(transform, side))
+    outline, trunk = _cut_shape(transform, side)
+    return [*_input(transform, side), *outline_with_trunk(outline, trunk)[1:]]
 
 
 def outline_with_trunk(outline: FloatArray, trunk: FloatArray) -> list[Mark]:
@@ -65,14 +68,23 @@ def thin_outline(shape: Shape) -> FloatArray:
 
 
 def deformation_marks(transform: Transform, side: str) -> list[Mark]:
-    """The outline that the pieces make, over the input; side "p" or "q".
+    """The outline that the pieces make, over the input, and over the bent input as a thin line; side "p" or "q".
 
     >>> [mark.pen for mark in deformation_marks(transform, "p")]
     ['silhouette', 'outline']
     """
-    outline, _ = _input(transform, side)
     assembled = transform.outline_p() if side == "p" else transform.outline_q()
-    return [Region((outline,), "silhouette"), Region((assembled,), "outline")]
+    return [*_input(transform, side), Region((assembled,), "outline")]
+
+
+def ghost_marks(transform: Transform, side: str) -> list[Mark]:
+    """An input that is bent first, as it was given, to lie behind the pieces; side "p" or "q".
+
+    >>> ghost_marks(transform, "p")  # nothing is bent
+    []
+    """
+    bend = transform.bend_p if side == "p" else transform.bend_q
+    return [] if bend is None else [Region((thin_outline(bend.shape),), "silhouette")]
 
 
 def dissection_marks(transform: Transform, side: str) -> list[Mark]:
@@ -123,7 +135,14 @@ def chain_marks(transform: Transform, open_hinge: int = 0) -> list[Mark]:
     return pose_marks(transform, Pose(0.5, headings, origins), open_hinge)
 
 
-def _input(transform: Transform, side: str) -> tuple[FloatArray, FloatArray]:
+def _input(transform: Transform, side: str) -> list[Mark]:
+    """An input, and what it is bent to as a line."""
+    outline, _ = _cut_shape(transform, side)
+    ghost = ghost_marks(transform, side)
+    return [*ghost, Region((outline,), "cut")] if ghost else [Region((outline,), "silhouette")]
+
+
+def _cut_shape(transform: Transform, side: str) -> tuple[FloatArray, FloatArray]:
     shape = transform.p if side == "p" else transform.q
     trunk = transform.trunk_p if side == "p" else transform.trunk_q
     return thin_outline(shape), trunk

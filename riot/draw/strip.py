@@ -9,7 +9,7 @@ import numpy as np
 
 from riot.draw.files import write_scene
 from riot.draw.keyframes import motion_marks
-from riot.draw.panels import sketch
+from riot.draw.panels import ghost_marks, sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Label, Mark, Scene, extent, moved
 from riot.draw.tuning import CAPTION_LENGTH, STRIP_PENS, STRIP_POSES
@@ -38,11 +38,14 @@ def draw_strip(transform: Transform, path: str | os.PathLike[str], images: Piece
 def strip_scene(transform: Transform, poses: int = STRIP_POSES, images: PieceImages = NO_IMAGES) -> Scene:
     """``poses`` ≥ 2 poses at even times of `Transform.motion`, all at one scale, and what the motion needs in words.
 
+    Behind the first and the last pose lie inputs that were bent first, as they were given.
+
     >>> len(strip_scene(transform, 3).pieces)
     4
     """
     drawn, motion = sketch(transform), motion_of(transform)
     groups = [motion_marks(drawn, motion, float(t)) for t in np.linspace(0.0, 1.0, poses)]
+    groups[0], groups[-1] = [*ghost_marks(drawn, "p"), *groups[0]], [*ghost_marks(drawn, "q"), *groups[-1]]
     boxes = [extent(group, drawn.pieces) for group in groups]
     tall = max(y1 - y0 for _, y0, _, y1 in boxes)
     gap = 0.09 * tall

@@ -170,7 +170,7 @@ def picture_texture(
     Raises `riot.draw.texture.source.TextureError` and `riot.errors.SilhouetteError` as
     `riot.draw.texture.source.load_picture`, `riot.draw.texture.warp.WarpError` for a transform without certificate.
     """
-    shape = transform.p if side == "p" else transform.q
+    shape = transform.input_p if side == "p" else transform.input_q
     return PictureTexture(load_picture(path, shape, mask), shape, warp_side(transform, side))
 
 

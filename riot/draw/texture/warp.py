@@ -6,7 +6,7 @@ The boundary comes first (`riot.draw.texture.outline_match`). Inside, the map is
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +23,7 @@ from riot.geometry.polyline import is_simple
 
 if TYPE_CHECKING:
     from riot.draw.texture.names import Side
+    from riot.geometry.bend import Bend
     from riot.transform.transform import Transform
     from riot.types import FloatArray, IntArray
 
@@ -90,9 +91,10 @@ class Warp:
 
 
 def warp_side(transform: Transform, side: Side) -> Warp:
-    """The map of the assembled P to the input P (side "p"), or of Q to Q ("q").
+    """The map of the assembled P to the input P (side "p"), or of Q to Q ("q"); a bend of the input is taken back.
 
-    Raises WarpError if the assembled shape's outline crosses itself: such a transform has no certificate.
+    Raises WarpError if the assembled shape's outline crosses itself: such a transform has no certificate. Also if the
+    bend of the input cannot be taken back.
 
     >>> from riot.groundtruth.pairs import dudeney, exact_transform
     >>> warp = warp_side(exact_transform(dudeney()), "p")
@@ -108,7 +110,9 @@ def warp_side(transform: Transform, side: Side) -> Warp:
         # Q's outline runs through the chain backwards: its first arc starts at the last piece's end, hinge 0.
         corners, assembled = transform.trunk_q[-np.arange(n) % n], transform.outline_q()
     starts = np.concatenate([[0], np.cumsum(arcs)[:-1]]).astype(np.int64)
-    return make_warp(assembled, starts, shape.points, corners)
+    warp = make_warp(assembled, starts, shape.points, corners)
+    bend = transform.bend_p if side == "p" else transform.bend_q
+    return warp if bend is None else replace(warp, images=_unbent(bend, warp.images))
 
 
 def make_warp(assembled: FloatArray, starts: IntArray, target: FloatArray, corners: FloatArray) -> Warp:
@@ -134,6 +138,17 @@ def make_warp(assembled: FloatArray, starts: IntArray, target: FloatArray, corne
     points, images, triangles, boundary = triangulate(outline, images)
     images = _unfolded(points, _harmonic(points, images, triangles, boundary), triangles, boundary)
     return Warp(points, images, triangles, boundary)
+
+
+def _unbent(bend: Bend, points: FloatArray) -> FloatArray:
+    """Points (k, 2) of a bent input where they lie before."""
+    try:
+        images = bend.field.back(points)
+    except np.linalg.LinAlgError:
+        images = np.full_like(points, np.nan)
+    if not np.isfinite(images).all():
+        raise WarpError("the map that bends the input folds: texture needs one that can be taken back")
+    return images
 
 
 def _harmonic(points: FloatArray, images: FloatArray, triangles: IntArray, boundary: int) -> FloatArray:
