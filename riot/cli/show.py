@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import riot.transform  # lazy: what finds centre lines takes half a second to import
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.table import Table
 from riot.motion.planner import motion_of
-from riot.transform.centreline import centre_line_overlap
 from riot.transform.certificate import certify
 from riot.transform.deformation import Deformation, change_ratio, measure_deformation
 from riot.transform.fidelity import bending_ratio, direction_error
@@ -21,6 +21,7 @@ from riot.transform.motion import Motion
 from riot.transform.provenance import describe_history
 from riot.transform.riot_file import load
 from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 SIDES = ("p", "q")
 
@@ -38,7 +39,10 @@ ROWS = (
     ("gaps", "gap", ".1e"),
     ("hinges apart", "hinge", ".1e"),
 )
-"""Rows of the table: words, the name of the number in the JSON document, and how it is written."""
+"""Rows of the table: words, the name of the number in the JSON document, and how it is written.
+
+The rows of centre lines are there only if they are asked for.
+"""
 
 BENT_ROWS = (
     ("IoU with the bent input", "iou", ".4f"),
@@ -56,13 +60,14 @@ def add_options(parser: Parser) -> None:
     parser.add_argument(
         "--history", action="store_true", help="print pictures, parameters, code and libraries that made it instead"
     )
+    parser.shared.description = "With --verbose or --json the numbers include those of centre lines."
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     transform = load(chosen.file)
     if not chosen.history:
-        facts = transform_facts(transform)
+        facts = transform_facts(transform, centre_lines=output.verbose or output.json)
         output.facts(facts, *transform_lines(transform, facts))
     elif transform.history is None:
         untold = f"{chosen.file} tells no history: it was written by an earlier version, or by hand"
@@ -72,14 +77,17 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     return 0
 
 
-def transform_facts(transform: Transform) -> dict[str, Any]:
-    """The numbers of a transform: of each input, of the certificate, and of the motion, None unless it is certified."""
+def transform_facts(transform: Transform, *, centre_lines: bool = True) -> dict[str, Any]:
+    """The numbers of a transform: of each input, of the certificate, and of the motion, None unless it is certified.
+
+    Without ``centre_lines`` the numbers of these are left out, and so is the time that it takes to find them.
+    """
     deformation, certificate = measure_deformation(transform), certify(transform)
     inputs = []
     for side in SIDES:
         shape, outline = getattr(transform, side), getattr(transform, f"outline_{side}")()
         iou, bound = getattr(deformation, f"iou_{side}"), getattr(transform, f"bound_{side}")
-        assembly, lines = getattr(certificate, side), centre_line_overlap(outline, shape.points)
+        assembly = getattr(certificate, side)
         inputs.append(
             {
                 "name": shape.name,
@@ -90,8 +98,7 @@ def transform_facts(transform: Transform) -> dict[str, Any]:
                 "change": change_ratio(iou, bound),
                 "bending": bending_ratio(outline, shape.points),
                 "direction_error": math.degrees(direction_error(outline, shape.points)),
-                "centreline_recall": lines.recall,
-                "centreline_precision": lines.precision,
+                **(_centre_line_facts(outline, shape.points) if centre_lines else {}),
                 "overlap": assembly.overlap,
                 "gap": assembly.gap,
                 "hinge": assembly.hinge,
@@ -112,7 +119,9 @@ def transform_lines(transform: Transform, facts: Mapping[str, Any]) -> Iterator[
     title = f"{' ⇄ '.join(names)}, {facts['pieces']} pieces"
     rows = []
     for words, name, form in BENT_ROWS if "input_iou" in facts["inputs"][0] else ROWS:
-        numbers = [number[name] for number in facts["inputs"]]
+        numbers = [number[name] for number in facts["inputs"] if name in number]
+        if not numbers:
+            continue
         rows.append((words, *("–" if math.isnan(number) else format(number, form) for number in numbers)))
     yield Table(("", *names), rows, title, left=("",))
     if not facts["certificate"]["passed"]:
@@ -128,6 +137,11 @@ def _bend_facts(transform: Transform, deformation: Deformation, side: str) -> di
     if transform.bend_p is None and transform.bend_q is None:
         return {}
     return {name: getattr(deformation, f"{name}_{side}") for name in ("input_iou", "rms_strain", "max_strain")}
+
+
+def _centre_line_facts(outline: FloatArray, reference: FloatArray) -> dict[str, float]:
+    lines = riot.transform.centreline.centre_line_overlap(outline, reference)
+    return {"centreline_recall": lines.recall, "centreline_precision": lines.precision}
 
 
 def _motion_facts(motion: Motion) -> dict[str, Any]:
