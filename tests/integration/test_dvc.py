@@ -39,7 +39,7 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
         copy(ROOT / name, folder / name)  # with compiled kernels, which .dvcignore leaves out
     subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
     parameters = (folder / "params.yaml").read_text()
-    for usual, small in (("limit: 128", "limit: 6"), ("top: 100", f"top: {TOP}"), ("cluster: local", "cluster: sync")):
+    for usual, small in (("limit: 96", "limit: 6"), ("top: 24", f"top: {TOP}"), ("cluster: local", "cluster: sync")):
         assert usual in parameters
         parameters = parameters.replace(usual, small)
     (folder / "params.yaml").write_text(parameters)

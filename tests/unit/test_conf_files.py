@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,8 @@ from pipeline.config.command_line import check_command, complete
 from pipeline.config.conf_files import CONF, group_choices, parameter_groups, plain_defaults
 from pipeline.config.schema import Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
+from pipeline.datasets.sample import definitions
+from pipeline.plan.sources import ROOT
 
 FILES = sorted(CONF.rglob("*.yaml"))
 
@@ -52,7 +54,22 @@ def test_the_defaults_of_a_run_are_those_of_the_schema_but_for_the_selection_of_
     assert replace(sample, select=SelectConfig()) == Config(dataset=DatasetConfig())
     assert sample.select.top < SelectConfig().top
     assert check_command(complete(["+dataset=folder", "dataset.root=pictures"])).select == SelectConfig()
-    assert check_command(complete(["select.top=7"])).select.top == 7
+
+
+def test_a_value_of_the_command_line_is_stronger_than_the_sample_s() -> None:
+    sample = check_command(complete([])).select
+    for field in fields(SelectConfig):
+        value = "paper" if field.name == "policy" else getattr(sample, field.name) + 76
+        for line in ([f"select.{field.name}={value}"], [f"select.{field.name}={value}", "+dataset=sample"]):
+            assert check_command(complete(line)).select == replace(sample, **{field.name: value})
+    assert check_command(complete(["select=paper"])).select == replace(sample, policy="paper")
+    assert check_command(complete(["select=paper", "select.top=100"])).select.top == 100
+
+
+def test_dvc_mines_what_the_sample_has() -> None:
+    values = OmegaConf.to_container(OmegaConf.load(ROOT / "params.yaml"))
+    assert isinstance(values, dict) and values["dataset"] == "sample"
+    assert values["limit"] == len(definitions()) and values["top"] == check_command(complete([])).select.top
 
 
 def test_folders_are_groups_of_the_schema() -> None:
