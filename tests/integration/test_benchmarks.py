@@ -117,3 +117,23 @@ def test_a_collection_grows_and_is_measured_at_every_size(tmp_path: Path) -> Non
     ]
     assert not any(cost["estimated"] for cost in measured["costs"])
     assert plot.read_text(encoding="utf-8").startswith("<?xml")
+
+
+@pytest.mark.system
+def test_starts_are_measured_beside_python_and_numpy(tmp_path: Path) -> None:
+    done = run("start", "--processes", "1", "--json", str(tmp_path / "figures.json"))
+    assert done.returncode == 0, done.stderr
+    starts = json.loads((tmp_path / "figures.json").read_text(encoding="utf-8"))["starts"]
+    assert all(name in done.stdout for name in starts)
+    assert {"python -c pass", "riot --help", "riot show FILE", "python -m pipeline.run --plan"} <= starts.keys()
+    for figures in starts.values():
+        assert 0.0 < figures["cpu_min"] <= figures["cpu_median"] and 0.0 < figures["wall_min"] <= figures["wall_median"]
+
+
+def test_a_run_that_is_not_finished_with_this_code_is_not_measured(tmp_path: Path) -> None:
+    record = {"configuration": {"batch": 4, "cluster": {"kind": "sync"}}, "store": str(tmp_path / "store")}
+    folder = tmp_path / "outputs" / "sample"
+    folder.mkdir(parents=True)
+    (folder / "run.json").write_text(json.dumps(record), encoding="utf-8")
+    done = run("start", "--run", str(folder))
+    assert done.returncode == 1 and "no run that is finished with this code" in done.stderr
