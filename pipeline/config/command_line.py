@@ -5,18 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from hydra import compose, initialize_config_dir
-from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import Override
-from hydra.errors import HydraException
-from omegaconf import DictConfig, OmegaConf
-from omegaconf.errors import OmegaConfBaseException
-
 from pipeline.config.build import make_config, unknown_name
 from pipeline.config.conf_files import CONF, allowed_names, group_choices, parameter_groups
 from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
 from pipeline.store.keys import digest_text
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    from hydra import compose, initialize_config_dir
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+    from hydra.core.override_parser.types import Override
+    from hydra.errors import HydraException
+    from omegaconf import DictConfig, OmegaConf
+    from omegaconf.errors import OmegaConfBaseException
 
 HYDRA_BASE = "1.3"
 SUGAR = {"--plan": "plan=true", "--explain": "explain=true"}

@@ -10,11 +10,13 @@ import dataclasses
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from hydra.core.config_store import ConfigStore
-
 from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
+from riot.errors import needs_extra
 from riot.parameters import ParameterGroup
+
+with needs_extra("mine"):
+    from hydra.core.config_store import ConfigStore
 
 _SHIPPED = Path(__file__).resolve().parents[1] / "conf"
 CONF = _SHIPPED if _SHIPPED.is_dir() else Path(__file__).resolve().parents[2] / "conf"

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, NoReturn
 
-from platformdirs import user_cache_path
-
 from pipeline.datasets import sample
 from pipeline.datasets.item import Item
-from riot.errors import ParameterError, RiotError
+from riot.errors import ParameterError, RiotError, needs_extra
 from riot.geometry.picture import PICTURE_SUFFIXES
 from riot.parameters.field import ParameterGroup, parameter
+
+with needs_extra("mine"):
+    from platformdirs import user_cache_path
 
 PICTURES = frozenset({*PICTURE_SUFFIXES, ".svg"})
 """Files with these suffixes are items of a collection. Ingest finds out whether they can be read."""

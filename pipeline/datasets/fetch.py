@@ -20,12 +20,15 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 import numpy as np
-import pooch
 from PIL import Image
 
 from pipeline.datasets.collection import DatasetError
 from pipeline.store.storage_errors import UNWRITABLE
+from riot.errors import needs_extra
 from riot.geometry.picture import PICTURE_FORMATS, PICTURE_SUFFIXES
+
+with needs_extra("mine"):
+    import pooch
 
 MPEG7_URLS = ("http://www.dabi.temple.edu/~shape/MPEG7/MPEG7dataset.zip",)
 """Tried in order. The first is the authors' own (Latecki, Lakämper, Eckhardt, CVPR 2000)."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from rich.console import Console
-from rich.table import Table
-
 from pipeline.config.schema import Config
 from pipeline.explain.causes import Causes
 from pipeline.explain.forecast import Forecast
 from pipeline.store.store import Store
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    from rich.console import Console
+    from rich.table import Table
 
 MOST_SHOWN = 20
 """Most lines of causes for a stage: a screen (ours)."""

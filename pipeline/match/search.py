@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow.parquet as pq
 
 from pipeline.config.build import make_config
 from pipeline.config.schema import Config
@@ -22,6 +21,7 @@ from pipeline.store.keys import digest_bytes
 from pipeline.store.location import Location, parse_location
 from pipeline.store.store import Entry, Store
 from pipeline.tables.record import ARTIFACTS, RECORD, read_record
+from riot.errors import needs_extra
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.scores.index import TrunkIndex, best_partners
@@ -30,6 +30,9 @@ from riot.scores.reversibility import reversibility
 from riot.scores.trunk_stack import TrunkStack, stack
 from riot.scores.trunks import Trunks, compared_trunks
 from riot.types import IntArray
+
+with needs_extra("mine"):
+    import pyarrow.parquet as pq
 
 SHAPES = "shapes.parquet"
 AGAIN = "the command that made the run makes it again, and computes only what is missing"

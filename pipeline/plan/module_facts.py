@@ -23,6 +23,7 @@ from pipeline.plan.module_uses import module_uses
 from pipeline.plan.sources import AT_START, ROOT
 from pipeline.plan.stage_parts import Part, stage_parts
 from pipeline.plan.syntax_digest import syntax_digest
+from riot.errors import needs_extra
 
 _RULES = ("module_facts", "module_uses", "stage_parts", "syntax_digest")
 """The modules of this package that facts depend on."""
@@ -108,7 +109,8 @@ def cache_file() -> Path:
     nearest = next(folder for folder in beside.parents if folder.is_dir())
     if os.access(nearest, os.W_OK) and not sys.dont_write_bytecode:
         return beside
-    import platformdirs
+    with needs_extra("mine"):
+        import platformdirs
 
     installation = hashlib.sha256(os.fsencode(ROOT)).hexdigest()[:16]
     return Path(platformdirs.user_cache_dir("riot-shapes"), f"code-{installation}.json")

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from markupsafe import Markup
-
 from pipeline.report.rows import TransformRow
 from riot.draw.animate import swing_of
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Box, Mark, PlacedPiece, Scene, around, extent
 from riot.draw.svg import definitions, fragment, naming
+from riot.errors import needs_extra
 from riot.motion.planner import motion_of
 from riot.transform.transform import Transform
+
+with needs_extra("mine"):
+    from markupsafe import Markup
 
 PANEL_PENS, CHAIN_PENS, THUMB_PENS = 210.0, 420.0, 96.0
 """Usual widths of the pictures on the page, in pixels: dots are sized for them."""

@@ -9,14 +9,16 @@ import re
 from functools import cache
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
-
 from pipeline.report import formats
 from pipeline.report.assets import TEMPLATES, read_asset
 from riot.draw.animate import MOTION_STYLE
 from riot.draw.palette import DARK, LIGHT
 from riot.draw.svg_style import page_colours, page_style
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
 
 FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
 """Characters that neither HTML nor XML may hold, even escaped; names of files may."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from markupsafe import Markup
-
 from pipeline.tables.messages import several
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    from markupsafe import Markup
 
 MISSING = "–"
 """Stands for a number that is not known."""

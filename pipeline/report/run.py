@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pyarrow.dataset as ds
-import pyarrow.parquet as pq
 
 from pipeline.report.comparison import Comparison, read_comparison
 from pipeline.report.histogram import Distribution, distribution
@@ -19,8 +17,12 @@ from pipeline.tables.measures import rows
 from pipeline.tables.partner_search import PartnerSearch, read_search
 from pipeline.tables.record import RECORD
 from pipeline.tables.results import Row
-from riot.errors import RiotError
+from riot.errors import RiotError, needs_extra
 from riot.types import FloatArray
+
+with needs_extra("mine"):
+    import pyarrow.dataset as ds
+    import pyarrow.parquet as pq
 
 
 class ReportError(RiotError, FileNotFoundError):

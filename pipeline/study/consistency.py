@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import pyarrow as pa
 
 from pipeline.errors import StartError
 from pipeline.study import plots
@@ -15,12 +14,16 @@ from pipeline.study.finished import StudiedRun
 from pipeline.study.partners import StudiedPartners
 from pipeline.study.statistics import Agreement, agreement, calibration, precision
 from pipeline.tables.schemas import column
+from riot.errors import needs_extra
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
 from riot.parameters.field import ParameterGroup, parameter
 from riot.scores.qcrs import score_pairs
 from riot.scores.trunk_stack import stack
 from riot.scores.trunks import compared_trunks
 from riot.types import FloatArray, IntArray
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 PAPER = 0.774
 """Share of 1,000 random pairs of pairs that the paper found ordered alike."""

@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from pipeline.report.environment import render
 from pipeline.store.store import write_atomically
 from pipeline.study.registry import LEAD, PAGE, STUDIES, TABLE
 from pipeline.tables.record import STUDY
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
 
 INDEX = "index.html"
 

@@ -7,15 +7,18 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import pyarrow as pa
 
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import StudiedRun
 from pipeline.study.statistics import quantiles
 from pipeline.tables.schemas import column
+from riot.errors import needs_extra
 from riot.parameters.field import ParameterGroup, parameter
 from riot.types import FloatArray, IntArray
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Quantiles in the tables."""

@@ -10,8 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import pyarrow as pa
-import pyarrow.parquet as pq
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -20,6 +18,11 @@ from pipeline.report.environment import render
 from pipeline.store.store import write_atomically
 from pipeline.study.registry import LEAD, PAGE, TABLE
 from pipeline.tables.schemas import schema
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
 
 DOTS_PER_INCH = 160
 """Resolution of PNG figures (ours: sharp at the page's width on a dense screen)."""

@@ -7,9 +7,6 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.dataset as ds
-import pyarrow.parquet as pq
 
 from pipeline.config.schema import Config
 from pipeline.errors import StartError
@@ -17,8 +14,14 @@ from pipeline.match.search import MinedRun, open_mined
 from pipeline.match.shapes import read_shapes
 from pipeline.store.location import Location
 from pipeline.tables import schemas as tables
+from riot.errors import needs_extra
 from riot.geometry.shape import Shape
 from riot.types import FloatArray, IntArray
+
+with needs_extra("mine"):
+    import pyarrow as pa
+    import pyarrow.dataset as ds
+    import pyarrow.parquet as pq
 
 
 @dataclass(frozen=True, eq=False)

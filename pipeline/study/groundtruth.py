@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-import pyarrow as pa
 
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
@@ -25,9 +24,13 @@ from pipeline.study.recovery import (
     quantiles,
 )
 from pipeline.tables.schemas import column
+from riot.errors import needs_extra
 from riot.parameters import QCRS_VARIANTS, QcrsVariant
 from riot.parameters.field import ParameterGroup, parameter
 from riot.types import FloatArray
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 PIECES = (3, 4, 5, 6)
 """Numbers of pieces of the hidden pairs, in turn."""

@@ -8,8 +8,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from omegaconf import OmegaConf
-
 from pipeline.config.build import build, unknown_name
 from pipeline.config.command_line import check_command, check_words, complete
 from pipeline.config.conf_files import allowed_names, group_choices
@@ -19,8 +17,12 @@ from pipeline.study.findings import Findings, write_findings
 from pipeline.study.finished import StudiedRun
 from pipeline.tables.outputs import run_folder
 from pipeline.tables.record import RECORD, STUDY
+from riot.errors import needs_extra
 from riot.kernels.warm import compile_used
 from riot.parameters import ParameterGroup
+
+with needs_extra("mine"):
+    from omegaconf import OmegaConf
 
 Say = Callable[[str], None]
 

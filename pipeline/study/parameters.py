@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
-import pyarrow as pa
 from matplotlib.figure import Figure
 
 from pipeline.study import plots
@@ -22,8 +21,12 @@ from pipeline.study.varied import TrunkOutcome, vary
 from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT
 from riot.draw.palette import PIECES as COLOURS
+from riot.errors import needs_extra
 from riot.groundtruth.limits import PairLimits
 from riot.parameters.field import ParameterGroup, parameter
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 TRUNKS, SIGMAS = ("spacing", "tau_s", "tau_c"), ("sigma_pa", "sigma_w")
 """The parameters of candidate trunks, and those of S_r."""

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pyarrow as pa
 from matplotlib.figure import Figure
 
 from pipeline.errors import StartError
@@ -18,11 +17,14 @@ from pipeline.study.quiz_page import Answers, quiz_page
 from pipeline.study.quiz_pairs import QuizPair, choose
 from pipeline.tables.schemas import column
 from riot.draw.palette import LIGHT, PIECES
-from riot.errors import FormatError, ParameterError
+from riot.errors import FormatError, ParameterError, needs_extra
 from riot.parameters.field import ParameterGroup, parameter
 from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
 from riot.types import FloatArray
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 QUIZ = "quiz.html"
 

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from markupsafe import Markup
 
 from pipeline.report.environment import render
 from pipeline.report.thumb import HEIGHT, WIDTH, thumb
@@ -21,9 +20,13 @@ from riot.draw.scene import Region, Scene
 from riot.draw.svg import fragment
 from riot.draw.svg_style import page_colours
 from riot.draw.tuning import SKETCH_TOLERANCE
+from riot.errors import needs_extra
 from riot.geometry.polyline import simplify
 from riot.transform.transform import Transform
 from riot.types import FloatArray
+
+with needs_extra("mine"):
+    from markupsafe import Markup
 
 MARGIN = 0.04
 """Around a silhouette, in units of √area."""

@@ -10,7 +10,6 @@ from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 
 from pipeline.study import plots
 from pipeline.study.consistency import uniform
@@ -20,11 +19,15 @@ from pipeline.study.partners import StudiedPartners
 from pipeline.study.registry import TIMES
 from pipeline.study.statistics import Agreement, agreement
 from pipeline.tables.schemas import column
+from riot.errors import needs_extra
 from riot.parameters import QCRS_VARIANTS, QcrsParameters, QcrsVariant
 from riot.parameters.field import ParameterGroup, parameter
 from riot.scores.qcrs import score_block, score_pairs
 from riot.scores.trunk_stack import TrunkStack, stack
 from riot.scores.trunks import compared_trunks
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 
 @dataclass(frozen=True)

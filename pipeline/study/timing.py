@@ -6,13 +6,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import pyarrow as pa
-
 from pipeline.study import plots
 from pipeline.study.findings import Findings, Sheet, of_columns
 from pipeline.study.finished import StudiedRun
 from pipeline.tables.schemas import column
+from riot.errors import needs_extra
 from riot.parameters.field import ParameterGroup
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 
 @dataclass(frozen=True)

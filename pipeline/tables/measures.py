@@ -14,13 +14,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
 
 from pipeline.errors import StartError
 from pipeline.exit_codes import BAD_START, CLEAN
 from pipeline.store.store import write_atomically
 from pipeline.tables.record import read_record
 from pipeline.tables.results import Row
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow.parquet as pq
 
 QUANTILES = {"max": 1.0, "q90": 0.9, "median": 0.5}
 """Quantiles of a run's scores, by name; each is the score of a pair, not a value between two."""

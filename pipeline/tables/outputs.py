@@ -11,14 +11,16 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from pipeline.config.schema import Config
 from pipeline.store.filesystem.local import LocalFiles
 from pipeline.store.store import TEMPORARY
 from pipeline.tables import schemas as tables
 from pipeline.tables.results import Row
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
 
 NAME_LENGTH = 40
 """Most characters of a shape's name in the name of a file: two of them and a rank stay readable in a listing (ours)."""

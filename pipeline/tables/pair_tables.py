@@ -7,13 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.qcrs import COLUMNS
 from pipeline.tables.outputs import from_columns, new_place, replace_folder, write_parquet
 from pipeline.tables.results import Results, Row
 from pipeline.tables.schemas import SCHEMAS, of_table
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 
 def pair_names(results: Results, members: tuple[int, ...]) -> Row:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 
-import pyarrow as pa
-
 from pipeline.tables import schemas as tables
 from pipeline.tables.messages import several
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,12 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 
-import pyarrow as pa
-
 from pipeline.stages.all import STAGES
 from pipeline.stages.stage import Column, Stage, TableColumns
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 KINDS = {
     "string": pa.string(),

@@ -6,13 +6,16 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.compute as pc
 
 from pipeline.stages.stage import Ragged
 from pipeline.tables.outputs import from_columns, from_rows
 from pipeline.tables.results import Results, Row
 from pipeline.tables.schemas import SCHEMAS, of_table
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow as pa
+    import pyarrow.compute as pc
 
 
 def own_tables() -> list[str]:

@@ -7,13 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import pyarrow as pa
-
 from pipeline.exit_codes import BAD_START, CLEAN, FAILED, WITH_ERRORS
 from pipeline.tables import schemas as tables
 from pipeline.tables.measures import measures, rows
 from pipeline.tables.outputs import from_rows, new_place, write_parquet
 from pipeline.tables.results import Row
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    import pyarrow as pa
 
 PREFIX = "sweep="
 """Begins the name of a sweep's folder; the names of the swept parameters follow."""

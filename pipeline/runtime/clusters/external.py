@@ -13,12 +13,14 @@ from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker,
 from pipeline.runtime.clusters.executor import Executor
 from pipeline.runtime.events import Listener, Note
 from pipeline.store.location import Location
+from riot.errors import needs_extra
 
 
 @contextlib.contextmanager
 def open_external(config: ClusterConfig, root: Location | None, listen: Listener) -> Iterator[Executor]:
     """Connect to the scheduler at ``config.address`` and wait for a worker that is admitted."""
-    from distributed import Client
+    with needs_extra("mine"):
+        from distributed import Client
 
     set_dask_options()
     try:

@@ -13,12 +13,14 @@ from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker,
 from pipeline.runtime.clusters.executor import Executor
 from pipeline.runtime.interrupts import interrupts_held
 from pipeline.runtime.threads import ONE_THREAD
+from riot.errors import needs_extra
 
 
 @contextlib.contextmanager
 def open_local(config: ClusterConfig) -> Iterator[Executor]:
     """Start the workers, as many as the machine has cores if the configuration does not say; end them afterwards."""
-    from distributed import Client, LocalCluster
+    with needs_extra("mine"):
+        from distributed import Client, LocalCluster
 
     set_dask_options(watched=config.dashboard)
     workers = config.workers or os.cpu_count() or 1

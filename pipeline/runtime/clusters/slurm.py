@@ -18,12 +18,14 @@ from pipeline.runtime.clusters.executor import Executor
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.interrupts import interrupts_handled_by
 from pipeline.store.location import Location
+from riot.errors import MissingExtraError, needs_extra
 
 
 @contextlib.contextmanager
 def open_slurm(config: ClusterConfig, root: Location | None, listen: Listener) -> Iterator[Executor]:
     """Submit the jobs and wait for a worker that is admitted; cancel the jobs afterwards."""
-    from distributed import Client
+    with needs_extra("slurm"):
+        from distributed import Client
 
     set_dask_options()
     for program in ("sbatch", "scancel"):
@@ -49,7 +51,7 @@ def _load_jobs() -> ModuleType:
     """`pipeline.runtime.clusters.slurm_jobs`, which needs dask-jobqueue."""
     try:
         # Once dask-jobqueue is loaded, Ctrl-C would end this process with exit code 0, as if all were done.
-        with interrupts_handled_by(signal.getsignal(signal.SIGINT)):
+        with needs_extra("slurm"), interrupts_handled_by(signal.getsignal(signal.SIGINT)):
             return clusters.slurm_jobs
-    except ImportError as error:
-        raise StartError("cluster=slurm needs dask-jobqueue: pip install 'riot-shapes[slurm]'") from error
+    except MissingExtraError as error:
+        raise StartError(f"cluster=slurm: {error}") from error

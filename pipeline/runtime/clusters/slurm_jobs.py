@@ -10,12 +10,14 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from dask_jobqueue import SLURMCluster
-from dask_jobqueue.slurm import SLURMJob
-from distributed import SchedulerPlugin, Status
-
 from pipeline.config.schema import ClusterConfig
 from pipeline.runtime.threads import ONE_THREAD
+from riot.errors import needs_extra
+
+with needs_extra("slurm"):
+    from dask_jobqueue import SLURMCluster
+    from dask_jobqueue.slurm import SLURMJob
+    from distributed import SchedulerPlugin, Status
 
 
 class Job(SLURMJob):  # type: ignore[misc]

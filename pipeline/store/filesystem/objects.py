@@ -7,12 +7,14 @@ nor conditions are needed. Credentials and endpoints are those of the protocol's
 from __future__ import annotations
 
 import contextlib
+import importlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from pipeline.errors import StartError
 from pipeline.store.location import Url
+from riot.errors import MissingExtraError, needs_extra
 
 
 @dataclass(frozen=True)
@@ -89,13 +91,16 @@ class ObjectFiles:
 def open_objects(location: Url) -> ObjectFiles:
     """The files below a URL; raises `StartError` when fsspec does not know the protocol or lacks its package."""
     try:
-        import fsspec  # type: ignore[import-untyped]
+        with needs_extra("s3"):
+            import fsspec  # type: ignore[import-untyped]
 
+            if location.startswith("s3://"):
+                importlib.import_module("s3fs")  # which fsspec would miss in words of its own
         system, _ = fsspec.url_to_fs(location, use_listings_cache=False)
+    except MissingExtraError as error:
+        raise StartError(f"{location}: {error}") from error
     except (ImportError, ValueError) as error:
-        raise StartError(
-            f"{location}: cannot be opened ({error}); for s3:// install riot-shapes[s3], or give a folder"
-        ) from error
+        raise StartError(f"{location}: cannot be opened ({error}); give a folder, or s3://BUCKET/PREFIX") from error
     return ObjectFiles(location, system)
 
 
