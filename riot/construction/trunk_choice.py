@@ -100,7 +100,9 @@ def construct_bent(
     """
     if bend is not None and bend.method == "elastic" and plans:
         if pins:
-            raise ConstructionError("pins", "pins are sections of the inputs' outlines: bend.method=off keeps these")
+            raise ConstructionError(
+                "pins", "pins are sections of the inputs' outlines, which a bend moves: use pins or a bend"
+            )
         bent = bend_best(plans, bend, refinement, parameters)
         try:
             return construct_plans([one.plan for one in bent], unplanned, parameters)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +12,11 @@ from riot.content import ByContent
 from riot.errors import SilhouetteError
 from riot.geometry import polyline
 from riot.geometry.elements import Elements
-from riot.geometry.modes import Modes
 from riot.geometry.shape import Shape
 from riot.types import FloatArray, IntArray
+
+if TYPE_CHECKING:  # to read a bend from a file takes no modes
+    from riot.geometry.modes import Modes
 
 STRAIN_AREA = 0.002
 """Area: the greatest strain is what the strain exceeds on so much and no more. At a concave corner it has no bound, and
