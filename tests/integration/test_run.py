@@ -208,7 +208,7 @@ def test_a_killed_run_goes_on_where_it_was(after: str, finished: Path, root: Pat
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
-            if line.startswith(after):
+            if line.startswith(after) and (" shapes in " in line or " pairs in " in line):
                 break
         process.kill()
     assert not (tmp_path / "outputs" / "folder" / "run.json").exists()
@@ -233,7 +233,7 @@ def test_an_interrupt_says_how_to_go_on(root: Path, tmp_path: Path) -> None:
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
-            if line.startswith("ingest"):
+            if line.startswith("ingest") and " shapes in " in line:
                 break
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers too
         _, complaint = process.communicate(timeout=120)
