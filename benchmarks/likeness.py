@@ -28,7 +28,8 @@ from table import WIDTH
 from riot.errors import RiotError
 from riot.geometry.shape import Shape
 from riot.geometry.silhouette import polygon_shape, read
-from riot.scores.likeness import CHORDS, DescriptorIndex, descriptor, distance
+from riot.scores.descriptor import CHORDS, descriptor
+from riot.scores.likeness import DescriptorIndex, distance
 from riot.types import FloatArray
 
 SIZE = 3400

@@ -20,6 +20,7 @@ from riot.parameters import (
     ConvexityParameters,
     CrsParameters,
     FabricationParameters,
+    LikenessParameters,
     MotionParameters,
     ParameterGroup,
     QcrsParameters,
@@ -205,6 +206,7 @@ class Config(ParameterGroup):
     shape: ShapeParameters = field(default_factory=ShapeParameters)
     reversibility: ReversibilityParameters = field(default_factory=ReversibilityParameters)
     convexity: ConvexityParameters = field(default_factory=ConvexityParameters)
+    likeness: LikenessParameters = field(default_factory=LikenessParameters)
     trunks: TrunkParameters = field(default_factory=TrunkParameters)
     qcrs: QcrsConfig = field(default_factory=QcrsConfig)
     crs: CrsParameters = field(default_factory=CrsParameters)

@@ -36,6 +36,7 @@ ORDERS: Mapping[str, SortOrder] = {
     "bending": SortOrder("bending", lambda row: max(row.bending_p, row.bending_q)),
     "direction": SortOrder("directions off", lambda row: max(row.direction_p, row.direction_q)),
     "limbs": SortOrder("limbs kept (clDice)", lambda row: row.cldice, greatest_first=True),
+    "recognised": SortOrder("recognised (margin)", lambda row: row.margin, greatest_first=True),
     "n": SortOrder("pieces", lambda row: row.n),
 }
 """Of two shapes the worse one counts, as everywhere."""

@@ -59,6 +59,11 @@ class TransformRow:
     gap_q: float
     hinge_p: float
     hinge_q: float
+    margin: float
+    margin_p: float
+    margin_q: float
+    other_p: str
+    other_q: str
     swings_flat: bool | None
     """None = not planned."""
 

@@ -58,6 +58,14 @@ OWN_COLUMNS: dict[str, tuple[str, tuple[Column, ...]]] = {
             Column("digest", "string", "SHA-256 of the source"),
         ),
     ),
+    "near_duplicates": (
+        "Shapes that are alike, cluster by cluster (likeness.near_duplicate); a shape like no other has no row.",
+        (
+            Column("cluster", "int32", "the first shape of the cluster", "shape number"),
+            *NUMBER,
+            Column("name", "string", "name of the shape"),
+        ),
+    ),
     "selected": (
         "The pairs that went on to CRS and refined trunks, best QCRS first.",
         (

@@ -67,6 +67,23 @@ def stage_rows(results: Results, table: str) -> Iterator[pa.Table]:
         yield rows if (numbers >= 0).all() else rows.filter(pc.greater_equal(rows["shape"], 0))
 
 
+def near_duplicate_rows(results: Results) -> Iterator[Row]:
+    """Rows of `near_duplicates`: of the clusters of at least two shapes, in order of their first shapes."""
+    for item in results.progress.work["near_duplicates"]:
+        artifact = results.artifact(item)
+        if artifact is None:
+            continue
+        positions, cluster = artifact.arrays["positions"], artifact.arrays["cluster"]
+        order = np.argsort(cluster, kind="stable")
+        first, size = np.unique(cluster, return_counts=True)
+        for k in order[np.isin(cluster[order], first[size > 1])]:
+            yield {
+                "cluster": int(results.numbers[cluster[k]]),
+                "shape": int(results.numbers[positions[k]]),
+                "name": results.progress.items[int(positions[k])].name,
+            }
+
+
 def _arrow(column: Any) -> Any:
     if isinstance(column, Ragged):
         return pa.ListArray.from_arrays(pa.array(column.offsets, type=pa.int32()), pa.array(column.values))

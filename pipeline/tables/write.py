@@ -10,7 +10,7 @@ from pipeline.tables.pair_tables import crs_rows, selected_rows, write_qcrs
 from pipeline.tables.puzzles import write_puzzles
 from pipeline.tables.results import Results, Row
 from pipeline.tables.schemas import SCHEMAS
-from pipeline.tables.shape_tables import own_tables, shape_rows, stage_rows
+from pipeline.tables.shape_tables import near_duplicate_rows, own_tables, shape_rows, stage_rows
 from pipeline.tables.textures import write_textures
 from pipeline.tables.transforms import transform_rows, write_transforms
 
@@ -23,6 +23,7 @@ def write_tables(results: Results, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     transforms = transform_rows(results)
     rows = {
+        "near_duplicates": near_duplicate_rows(results),
         "selected": selected_rows(results),
         "crs": crs_rows(results),
         "errors": results.errors,

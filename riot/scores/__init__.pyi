@@ -1,5 +1,6 @@
 from . import convexity as convexity
 from . import crs as crs
+from . import descriptor as descriptor
 from . import edges as edges
 from . import index as index
 from . import leaves as leaves

@@ -10,18 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from riot import Shape
-from riot.scores.likeness import (
-    ANGLES,
-    REGION_WEIGHT,
-    SAMPLES,
-    ComplexArray,
-    Descriptor,
-    DescriptorIndex,
-    descriptor,
-    distance,
-    margin,
-    near_duplicates,
-)
+from riot.scores.descriptor import ANGLES, SAMPLES, ComplexArray, Descriptor, descriptor, outline_descriptor
+from riot.scores.likeness import REGION_WEIGHT, DescriptorIndex, distance, margin, near_duplicates
 from riot.types import FloatArray
 
 RESOLUTION = 0.06
@@ -149,3 +139,17 @@ def test_the_margin_falls_from_one_to_less_than_zero() -> None:
     assert mistaken.value < 0 and mistaken.nearest == 2
     alone = margin(index.descriptor(0), 0, index, np.zeros(6, dtype=np.int64))
     assert math.isnan(alone.value) and alone.nearest == -1
+
+
+@given(SEEDS, st.floats(0.1, 10.0))
+def test_an_outline_has_the_descriptor_of_its_shape(seed: int, scale: float) -> None:
+    shape = Shape.from_polygon(lobes(seed))
+    assert distance(descriptor(shape), outline_descriptor(scale * shape.points + 2.0)) < ROUNDING
+    with pytest.raises(ValueError, match="counter-clockwise"):
+        outline_descriptor(shape.points[::-1])
+
+
+def test_an_index_comes_back_from_its_arrays() -> None:
+    index = index_of(range(3))
+    again = DescriptorIndex.from_arrays(index.to_arrays())
+    assert [again.descriptor(k) for k in range(3)] == [index.descriptor(k) for k in range(3)]

@@ -1,0 +1,117 @@
+"""How well the two results of a transform are recognised: their margins against the collection (ours)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.shape_arrays import ErrorRow, attempt
+from pipeline.stages.stage import Column, Stage, TableColumns
+from pipeline.store.artifact import Artifact
+from riot import scores, transform
+from riot.types import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from riot.scores.likeness import DescriptorIndex, Margin
+
+
+@dataclass(frozen=True)
+class Things:
+    """The shapes of a collection: index, positions and groups of its shapes, and their names."""
+
+    index: DescriptorIndex
+    positions: IntArray
+    groups: IntArray
+    names: tuple[str, ...]
+
+
+def prepare(artifact: Artifact) -> Things | Artifact:
+    """The shapes of a collection; a construction as it is."""
+    if "positions" not in artifact.arrays:
+        return artifact
+    return Things(
+        scores.likeness.DescriptorIndex.from_arrays(artifact.arrays),
+        np.asarray(artifact.arrays["positions"]),
+        np.asarray(artifact.arrays["group"]),
+        tuple(artifact.document["names"]),
+    )
+
+
+def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: tuple[int, int]) -> Artifact:
+    """A construction and the collection → a document: margins of both results, and the names of the nearest others."""
+    constructed, things = inputs
+    (mirrored,) = parameters
+    puzzle = transform.riot_file.from_json(constructed.document["riot"])
+    errors: list[ErrorRow] = []
+    row: dict[str, Any] = {}
+    for side, outline, position in (("p", puzzle.outline_p(), spec[0]), ("q", puzzle.outline_q(), spec[1])):
+        margin = attempt(0, lambda o=outline, k=position: _margin(o, k, things, mirrored), errors)  # type: ignore[misc]
+        if margin is not None and margin.nearest >= 0:
+            # A result that equals another thing is mistaken for it however far it is from its input.
+            row[f"margin_{side}"] = margin.value if math.isfinite(margin.value) else None
+            row[f"other_{side}"] = things.names[margin.nearest]
+    return Artifact({}, {**row, "errors": errors})
+
+
+def _margin(outline: FloatArray, position: int, things: Things, mirrored: bool) -> Margin:
+    number = int(np.searchsorted(things.positions, position))
+    described = scores.descriptor.outline_descriptor(outline)
+    return scores.likeness.margin(described, number, things.index, things.groups, mirrored=mirrored)
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each construction that has a transform, in order."""
+    recipe, collections = progress.recipes["margin"], progress.finished("near_duplicates")
+    return [
+        recipe.item(
+            recipe.parts([item.key, collection.key], item.members),
+            [item.reference, collection.reference],
+            spec=item.members,
+            members=item.members,
+        )
+        for collection in collections
+        for item in progress.finished("construct")
+        if "riot" in progress.read(item).document
+    ]
+
+
+def _row(artifact: Artifact) -> Mapping[str, Any]:
+    row = {name: value for name, value in artifact.document.items() if name != "errors"}
+    margins = [margin for margin in (row.get("margin_p"), row.get("margin_q")) if margin is not None]
+    return row | {"margin": min(margins) if len(margins) == 2 else None}
+
+
+MARGIN = "1 − its distance to its input / to the nearest other thing of the collection; ≤ 0 = mistaken, null = no other"
+OTHER = "name of the nearest shape of another class, or of another cluster of near-duplicates without classes"
+
+STAGE = Stage(
+    name="margin",
+    unit="transforms",
+    after=("construct", "near_duplicates"),
+    parameters=("likeness.mirrored",),
+    items=items,
+    run=run,
+    scope="pair",
+    prepare=prepare,
+    known_after="construct",
+    bundle=32,
+    tables=(
+        TableColumns(
+            "transforms",
+            (
+                Column("margin", "float64", "how well both results are recognised: the lesser of the two margins", "1"),
+                Column("margin_p", "float64", f"of P: {MARGIN}", "1"),
+                Column("margin_q", "float64", f"of Q: {MARGIN}", "1"),
+                Column("other_p", "string", f"of P: {OTHER}"),
+                Column("other_q", "string", f"of Q: {OTHER}"),
+            ),
+            _row,
+        ),
+    ),
+)
