@@ -46,12 +46,12 @@ def prepare(artifact: Artifact) -> Things | Artifact:
 def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: tuple[int, int]) -> Artifact:
     """A construction and the collection → a document: margins of both results, and the names of the nearest others."""
     constructed, things = inputs
-    (mirrored,) = parameters
+    (settings,) = parameters
     puzzle = transform.riot_file.from_json(constructed.document["riot"])
     errors: list[ErrorRow] = []
     row: dict[str, Any] = {}
     for side, outline, position in (("p", puzzle.outline_p(), spec[0]), ("q", puzzle.outline_q(), spec[1])):
-        margin = attempt(0, lambda o=outline, k=position: _margin(o, k, things, mirrored), errors)  # type: ignore[misc]
+        margin = attempt(0, lambda o=outline, k=position: _margin(o, k, things, settings.mirrored), errors)  # type: ignore[misc]
         if margin is not None and margin.nearest >= 0:
             # A result that equals another thing is mistaken for it however far it is from its input.
             row[f"margin_{side}"] = margin.value if math.isfinite(margin.value) else None
@@ -94,7 +94,7 @@ STAGE = Stage(
     name="margin",
     unit="transforms",
     after=("construct", "near_duplicates"),
-    parameters=("likeness.mirrored",),
+    parameters=("likeness",),
     items=items,
     run=run,
     scope="pair",
