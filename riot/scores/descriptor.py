@@ -17,7 +17,7 @@ from riot.types import FloatArray
 ComplexArray = npt.NDArray[np.complex128]
 
 SAMPLES, ANGLES = 128, 64
-"""Samples of the outline, by arc length, and rays of the region, by angle: so many shifts are compared."""
+"""Samples of the outline, by arc length, and rays of the region, by angle."""
 
 CHORDS, TRIANGLES = (4, 8, 16, 24, 32), (4, 8, 16, 24, 32, 48)
 """Distances along the outline, in samples, from a sample to both ends of its chord, and of its triangle."""

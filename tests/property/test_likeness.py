@@ -10,8 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from riot import Shape
-from riot.scores.descriptor import ANGLES, SAMPLES, ComplexArray, Descriptor, descriptor, outline_descriptor
-from riot.scores.likeness import REGION_WEIGHT, DescriptorIndex, distance, margin, near_duplicates
+from riot.scores.descriptor import ComplexArray, Descriptor, descriptor, outline_descriptor
+from riot.scores.likeness import (
+    OUTLINE_SHIFTS,
+    REGION_SHIFTS,
+    REGION_WEIGHT,
+    DescriptorIndex,
+    distance,
+    margin,
+    near_duplicates,
+)
 from riot.types import FloatArray
 
 RESOLUTION = 0.04
@@ -93,7 +101,9 @@ def test_it_equals_brute_force_over_all_shifts(seed: int) -> None:
         phase = np.exp(2j * np.pi * np.outer(np.arange(shifts), np.arange(a.shape[1])) / shifts)
         return min(float(np.linalg.norm(a * row - b)) for row in phase)
 
-    slow = least(first.outline, second.outline, SAMPLES) + REGION_WEIGHT * least(first.region, second.region, ANGLES)
+    slow = least(first.outline, second.outline, OUTLINE_SHIFTS) + REGION_WEIGHT * least(
+        first.region, second.region, REGION_SHIFTS
+    )
     assert distance(first, second) == pytest.approx(slow, abs=ROUNDING)
 
 
@@ -129,6 +139,10 @@ def test_clusters_are_the_components_of_near_pairs_in_any_order() -> None:
         for _ in range(len(polygons)):
             reach = reach @ reach
         assert (reach == together).all()
+
+
+def test_a_collection_without_a_shape_has_no_cluster() -> None:
+    assert near_duplicates(DescriptorIndex.build([]), 0.1).tolist() == []
 
 
 def test_the_margin_falls_from_one_to_less_than_zero() -> None:
