@@ -16,6 +16,8 @@ from . import units as units
 from .construction.pins import Pins as Pins
 from .construction.pins import load_pins as load_pins
 from .construction.plan_search import alternatives as alternatives
+from .construction.stiff import StiffRegions as StiffRegions
+from .construction.stiff import load_stiff as load_stiff
 from .draw.result_table import to_frame as to_frame
 from .errors import ConstructionError as ConstructionError
 from .errors import FormatError as FormatError

@@ -12,12 +12,13 @@ from typing import Any, Literal
 
 from riot.cli.inputs import add_bend, add_inputs, add_pieces, read_inputs
 from riot.cli.output import Output
-from riot.cli.parser import DONE, EXIT_CODES, Parser
+from riot.cli.parser import DONE, EXIT_CODES, Parser, UsageError
 from riot.cli.show import transform_facts, transform_lines
 from riot.construction.pins import load_pins
 from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_search import PieceCounts, alternatives
 from riot.construction.plan_transform import construct_plan
+from riot.construction.stiff import load_stiff
 from riot.construction.trunk_choice import construct, construct_bent
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.animate import animate_svg
@@ -66,6 +67,7 @@ class Wishes:
     pictures: Mapping[Side, Path] | None = None
     """Colour pictures of P and Q, of the same size as the inputs: what the pieces show."""
     bend: BendParameters | None = None
+    stiff: Path | None = None
 
 
 def add_options(parser: Parser) -> None:
@@ -75,6 +77,9 @@ def add_options(parser: Parser) -> None:
     parser.add_argument("--rank", type=int, metavar="K", help="use the trunk pair of this rank of `riot trunks`")
     add_pieces(parser)
     add_bend(parser)
+    parser.add_argument(
+        "--stiff", type=Path, metavar="FILE", help="regions of the shapes that --bend bends less (JSON)"
+    )
     parser.add_argument("--pins", type=Path, metavar="FILE", help="keep or redraw stretches of the outlines (JSON)")
     parser.add_argument(
         "--method", choices=("exact", "laplacian"), default="exact", help="laplacian: the paper's, not exact"
@@ -103,7 +108,11 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     films = tuple(f".{kind}" for kind in ("gif", "mp4") if getattr(chosen, kind))
     pictures = {side: path for side in SIDES if (path := getattr(chosen, f"texture_{side}"))}
-    wishes = Wishes(films, chosen.rank, chosen.pins, chosen.method, chosen.pieces, pictures, chosen.bend)
+    if chosen.stiff is not None and chosen.bend is None:
+        raise UsageError("--stiff FILE says what bends less: give --bend, too")
+    wishes = Wishes(
+        films, chosen.rank, chosen.pins, chosen.method, chosen.pieces, pictures, chosen.bend, chosen.stiff
+    )  # fmt: skip
     transform = make(chosen.a, chosen.b, chosen.output, wishes, output)
     if min(overlap_ratios(transform)) >= chosen.min_iou:
         return DONE
@@ -138,6 +147,7 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
         film_writer()  # before the long work: it raises if there is none
     a, b = read_inputs(path_a, path_b)
     pins = None if wishes.pins is None else load_pins(wishes.pins, a, b)
+    stiff = None if wishes.stiff is None else load_stiff(wishes.stiff, a, b)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, "a file, where results need a folder", str(folder))
     folder.mkdir(parents=True, exist_ok=True)
@@ -146,13 +156,15 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
     output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
     parameters = ConstructParameters(method=wishes.method)
     if wishes.rank is None:
-        transform = construct(a, b, parameters=parameters, pins=pins, pieces=wishes.pieces, bend=wishes.bend)
+        transform = construct(
+            a, b, parameters=parameters, pins=pins, pieces=wishes.pieces, bend=wishes.bend, stiff=stiff
+        )
     else:
         plan = _ranked(alternatives(a, b, pieces=wishes.pieces), wishes.rank)
         if wishes.bend is None:
             transform = construct_plan(plan, parameters, pins)
         else:
-            transform = construct_bent([plan], [], parameters, pins=pins, bend=wishes.bend)
+            transform = construct_bent([plan], [], parameters, pins=pins, bend=wishes.bend, stiff=stiff)
     if certify(transform).passed:
         transform = with_motion(transform)
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
@@ -188,7 +200,8 @@ def _history(path_a: Path, path_b: Path, parameters: ConstructParameters, wishes
         "motion": asdict(MotionParameters()),
     }
     if wishes.bend is not None:
-        steps["bend"] = asdict(wishes.bend)
+        stiff = None if wishes.stiff is None else file_digest(wishes.stiff)
+        steps["bend"] = {**asdict(wishes.bend), "stiff": stiff}
     return record_history("riot make", (path_a, path_b), steps)
 
 

@@ -20,6 +20,8 @@ from . import plan as plan
 from . import plan_search as plan_search
 from . import plan_transform as plan_transform
 from . import refine as refine
+from . import side_file as side_file
+from . import stiff as stiff
 from . import tree as tree
 from . import tree_match as tree_match
 from . import trunk_choice as trunk_choice

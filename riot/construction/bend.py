@@ -18,6 +18,7 @@ from riot.construction.bent_side import BentSide
 from riot.construction.contact import require_plan_contact
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_on
 from riot.construction.refine import refine
+from riot.construction.stiff import StiffRegions
 from riot.construction.tuning import CONJUGATE_STEPS, EDGE_TOLERANCE, EXACT_BOUND, LARGE_TURN, SHARPNESS, SOFTEST
 from riot.errors import ConstructionError
 from riot.geometry.bend import Bend, bent_by
@@ -56,8 +57,11 @@ def bend_best(
     parameters: BendParameters,
     refinement: RefineParameters | None = None,
     construction: ConstructParameters | None = None,
+    stiff: StiffRegions | None = None,
 ) -> list[BentPlan]:
     """Bend the most promising plans of one pair of shapes, of which there is at least one, as `bend_plans` (ours).
+
+    Regions that are ``stiff`` bend less.
 
     >>> from riot.construction import alternatives, construct_plan
     >>> bent = bend_best(alternatives(house, kite), BendParameters(steps=8))
@@ -65,7 +69,11 @@ def bend_best(
     True
     """
     pair = plans[0].pair
-    modes_p, modes_q = (modes(shape, parameters.modes, parameters.straight) for shape in (pair.p, pair.q))
+    stiff = stiff or StiffRegions()
+    modes_p, modes_q = (
+        modes(shape, parameters.modes, parameters.straight, regions)
+        for shape, regions in ((pair.p, stiff.p), (pair.q, stiff.q))
+    )
     return bend_plans(plans, modes_p, modes_q, parameters, refinement, construction)
 
 

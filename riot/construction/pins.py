@@ -15,23 +15,19 @@ another, which replaces the section between them, the shorter way round; it lies
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from riot.construction.side_file import SideFile, read_points
 from riot.errors import FormatError
-from riot.geometry.limits import JSON_BYTES, TooManyBytes, read_text
 from riot.geometry.shape import Shape
 from riot.types import FloatArray
 
-FORMAT = "riot-pins"
-VERSION = 1
-FRAMES = ("source", "shape")
+_FILE = SideFile("riot-pins", 1, "pins", '{"keep": [[x, y]]}')
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,16 +84,13 @@ def load_pins(path: str | os.PathLike[str], p: Shape, q: Shape) -> Pins:
     >>> house = Shape.from_polygon([(0, 0), (4, 0), (4, 3), (2, 5), (0, 3)])
     >>> kite = Shape.from_polygon([(0, 3), (-2, 0), (0, -2), (2, 0)])
     >>> text = '{"format": "riot-pins", "version": 1, "frame": "source", "p": [{"keep": [[2, 5]]}]}'
+    >>> from pathlib import Path
     >>> _ = Path("pins.json").write_text(text)
     >>> pins = load_pins("pins.json", house, kite)  # keep the ridge of the roof
     >>> len(pins.p), len(pins.q)
     (1, 0)
     """
-    try:
-        text = read_text(Path(path), JSON_BYTES)
-    except TooManyBytes as error:
-        raise FormatError(f"{path} is no pins file: {error}; keep few pins") from error
-    return pins_from_json(text, p, q, str(path))
+    return pins_from_json(_FILE.read(path), p, q, str(path))
 
 
 def pins_from_json(text: str, p: Shape, q: Shape, where: str = "text") -> Pins:
@@ -110,38 +103,16 @@ def pins_from_json(text: str, p: Shape, q: Shape, where: str = "text") -> Pins:
     >>> len(pins_from_json(text, house, kite).p)
     1
     """
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise FormatError(f"{where} is not a pins file: it is not JSON ({error})") from None
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise FormatError(f'{where} is not a pins file: write "format": "{FORMAT}" into it')
-    if document.get("version") != VERSION:
-        raise FormatError(f'{where} has version {document.get("version")!r}: write "version": {VERSION}')
-    frame = document.get("frame")
-    if frame not in FRAMES:
-        raise FormatError(f'{where}: "frame" is {frame!r}: write "source" (pixels) or "shape" (unit area)')
-    unknown = sorted(set(document) - {"format", "version", "frame", "p", "q"})
-    if unknown:
-        raise FormatError(f'{where}: "{unknown[0]}" means nothing here: pins stand under "p" and "q"')
-    sides = []
-    for name, shape in (("p", p), ("q", q)):
-        rows = document.get(name, [])
-        if not isinstance(rows, list):
-            raise FormatError(f'{where}: "{name}" is not a list: write [{{"keep": [[x, y]]}}, …]')
-        sides.append(tuple(_pin(row, shape, frame, f"{where}: pin {k} of {name}") for k, row in enumerate(rows)))
-    return Pins(*sides)
+    frame, *sides = _FILE.rows(text, where)
+    pins = [
+        tuple(_pin(row, shape, frame, f"{where}: pin {k} of {name}") for k, row in enumerate(rows))
+        for name, rows, shape in zip("pq", sides, (p, q), strict=True)
+    ]
+    return Pins(*pins)
 
 
 def _pin(row: Any, shape: Shape, frame: str, where: str) -> Pin:
     if not isinstance(row, dict) or len(row) != 1 or next(iter(row)) not in ("keep", "draw"):
         raise FormatError(f'{where} is neither {{"keep": …}} nor {{"draw": …}}')
     kind, value = next(iter(row.items()))
-    try:
-        points = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        points = np.empty(0)
-    least = 2 if kind == "draw" else 1
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < least or not np.isfinite(points).all():
-        raise FormatError(f"{where}: give a list of at least {least} [x, y], all of them numbers")
-    return Pin(shape.from_source(points) if frame == "source" else points, kind == "draw")
+    return Pin(read_points(value, 2 if kind == "draw" else 1, shape, frame, where), kind == "draw")

@@ -12,6 +12,7 @@ from riot.construction.pins import Pins
 from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_search import PieceCounts, find_plans, plan_pairs, refine_best
 from riot.construction.plan_transform import construct_plans
+from riot.construction.stiff import StiffRegions
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
 from riot.parameters import BendParameters, ConstructParameters, RefineParameters
@@ -27,6 +28,7 @@ def construct(
     pins: Pins | None = None,
     pieces: PieceCounts | None = None,
     bend: BendParameters | None = None,
+    stiff: StiffRegions | None = None,
 ) -> Transform:
     """Construct an exact transform of a into b.
 
@@ -51,6 +53,8 @@ def construct(
         ``p`` and ``q``; it keeps a and b as ``input_p`` and ``input_q``.
         `riot.construction.bend.bend_best` tells how they are bent. Plans that are not bent are tried after those that
         are. Not with pins.
+    stiff : StiffRegions, optional
+        Parts of either shape that bend less; without a bend they mean nothing.
 
     Raises
     ------
@@ -77,7 +81,7 @@ def construct(
         plans = sorted({*refine_best(plans, refinement), *plans}, key=lambda plan: -plan.bound)
     else:
         plans, unplanned = find_plans(a, b, refinement, pieces)
-    return construct_bent(plans, unplanned, parameters, refinement, pins, bend)
+    return construct_bent(plans, unplanned, parameters, refinement, pins, bend, stiff)
 
 
 def construct_bent(
@@ -87,6 +91,7 @@ def construct_bent(
     refinement: RefineParameters | None = None,
     pins: Pins | None = None,
     bend: BendParameters | None = None,
+    stiff: StiffRegions | None = None,
 ) -> Transform:
     """Construct plans of one pair of shapes on bent shapes, if ``bend`` asks for it and one of them can be constructed.
 
@@ -103,7 +108,7 @@ def construct_bent(
             raise ConstructionError(
                 "pins", "pins are sections of the inputs' outlines, which a bend moves: use pins or a bend"
             )
-        bent = bend_best(plans, bend, refinement, parameters)
+        bent = bend_best(plans, bend, refinement, parameters, stiff)
         try:
             return construct_plans([one.plan for one in bent], unplanned, parameters)
         except ConstructionError:

@@ -17,6 +17,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from riot.construction.pins import pins_from_json
+from riot.construction.stiff import stiff_from_json
 from riot.errors import FormatError, SilhouetteError
 from riot.geometry.silhouette import polygon_shape, read
 from riot.groundtruth.pairs import exact_pair
@@ -28,6 +29,9 @@ MEMORY = 600 * 2**20
 PICTURES, DRAWINGS, TRANSFORMS = pictures(), drawings(), transforms()
 PINS = [
     b'{"format":"riot-pins","version":1,"frame":"source","p":[{"keep":[[1,2],[3,4.5]]}],"q":[{"draw":[[0,0],[1,1]]}]}'
+]
+STIFF = [
+    b'{"format":"riot-stiff","version":1,"frame":"source","p":[{"polygon":[[1,2],[3,4.5],[0,9]],"factor":20}],"q":[]}'
 ]
 SHAPE = polygon_shape(exact_pair(3, 1).p)
 
@@ -69,11 +73,22 @@ def pins(data: bytes) -> None:
         assert all(np.isfinite(pin.points).all() for pin in (*found.p, *found.q))
 
 
+def stiff(data: bytes) -> None:
+    """Read as stiff regions: polygons that are numbers, or an error that names the file."""
+    try:
+        regions = stiff_from_json(data.decode("utf-8", errors="replace"), SHAPE, SHAPE, "damaged.json")
+    except FormatError as error:
+        assert "damaged.json" in str(error)
+    else:
+        assert all(np.isfinite(polygon).all() and factor > 0.0 for polygon, factor in (*regions.p, *regions.q))
+
+
 READERS: dict[str, tuple[Callable[[bytes], None], list[bytes], int]] = {
     "pictures": (silhouette, PICTURES, 60),
     "drawings": (silhouette, DRAWINGS, 60),
     "transforms": (transform, TRANSFORMS, 60),
     "pins": (pins, PINS, 60),
+    "stiff": (stiff, STIFF, 60),
 }
 """What reads, what is damaged, and how many files of it are tried in the short form."""
 
@@ -145,5 +160,7 @@ def test_undamaged_files_are_read(name: str) -> None:
                 assert len(read(Path(folder) / "whole").points) > 50
         elif reader is transform:
             assert to_json(from_json(data.decode())).encode() == data
+        elif reader is stiff:
+            assert stiff_from_json(data.decode(), SHAPE, SHAPE).p
         else:
             assert pins_from_json(data.decode(), SHAPE, SHAPE)

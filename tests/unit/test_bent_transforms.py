@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from riot import Shape, Transform, to_frame
+from riot import Shape, Transform, load_stiff, to_frame
 from riot.cli.main import main
 from riot.construction import construct
 from riot.draw.figure import figure_scene
@@ -28,6 +28,7 @@ from riot.geometry.silhouette import read
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.parameters import BendParameters
 from riot.transform.deformation import measure_deformation, overlap_ratio
+from riot.transform.provenance import file_digest
 from riot.transform.riot_file import MAX_POINTS, from_json, to_json
 
 HOUSE = [(40, 210), (40, 110), (120, 30), (200, 110), (200, 210)]
@@ -235,3 +236,49 @@ def test_textures_are_carried_back_to_the_input(transform: Transform, side: Side
     # The middle of the assembled shape's disc is where the warp says that the input's middle goes.
     at = unbent.points[np.abs(warp.images).sum(axis=1).argmin()][None]
     assert texture.colours(0, at, 0.001)[0].tolist() == [40, 40, 200]
+
+
+def stiff_file(path: Path, **changes: Any) -> Path:
+    body = [[40, 210], [40, 110], [200, 110], [200, 210]]
+    document = {"format": "riot-stiff", "version": 1, "frame": "source", "p": [{"polygon": body, "factor": 50}]}
+    path.write_text(json.dumps(document | changes))
+    return path
+
+
+def test_stiff_regions_bend_less(
+    transform: Transform, inputs: tuple[Shape, Shape], pictures: tuple[Path, Path], tmp_path: Path
+) -> None:
+    file = stiff_file(tmp_path / "stiff.json")
+    regions = load_stiff(file, *inputs)
+    (body, factor), house = regions.p[0], inputs[0]
+    assert factor == 50.0 and house.source(body).round(6).tolist() == [[40, 210], [40, 110], [200, 110], [200, 210]]
+    stiff = construct(*inputs, bend=BEND, stiff=regions)
+    inside = bend_of(transform, "p").field.nodes
+    inside = inside[(house.source(inside)[:, 1] > 110) & (np.abs(house.source(inside)[:, 0] - 120) < 80)]
+    rms = [np.sqrt((bend_of(made, "p").field.strain(inside) ** 2).mean()) for made in (stiff, transform)]
+    assert rms[0] < 0.7 * rms[1]
+    make = ["make", *map(str, pictures), "-o", str(tmp_path), "--min-iou", "0", "--stiff", str(file)]
+    assert main([*make, "--bend"]) == 0
+    made = Transform.load(tmp_path / "house--fish.riot")
+    assert made.history is not None and made.history.steps[-1].parameters["stiff"] == file_digest(file)
+    assert np.array_equal(bend_of(made, "p").field.moved, bend_of(stiff, "p").field.moved)
+    assert main(make) == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"format": "riot-pins"}, "riot-stiff"),
+        ({"frame": "inches"}, "frame"),
+        ({"p": 5}, "not a list"),
+        ({"q": [{"polygon": [[0, 0], [1, 0]], "factor": 2}]}, "region 0 of q: give a list of at least 3"),
+        ({"q": [{"polygon": [[0, 0], [1, 0], [1, 1]], "factor": 0}]}, "factor"),
+        ({"q": [{"polygon": [[0, 0], [1, 0], [1, 1]], "factor": "much"}]}, "factor"),
+        ({"q": [{"polygon": [[0, 0], [1, 0], [1, 1]]}]}, "region 0 of q is not"),
+    ],
+)
+def test_other_files_of_stiff_regions_are_refused(
+    changes: dict[str, Any], words: str, inputs: tuple[Shape, Shape], tmp_path: Path
+) -> None:
+    with pytest.raises(FormatError, match=words):
+        load_stiff(stiff_file(tmp_path / "stiff.json", **changes), *inputs)
