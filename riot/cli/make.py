@@ -125,14 +125,14 @@ def poor_likeness(transform: Transform, least: float) -> str:
     ious = zip((transform.p.name, transform.q.name), overlap_ratios(transform), strict=True)
     likeness = " and ".join(f"{iou:.2f} with {name}" for name, iou in ious)
     if transform.bend_p is None and transform.bend_q is None:
-        bend = "Bend both shapes a little first (--bend)"
+        advice = "Bend both shapes a little first (--bend), try"
     else:
         strains = (0.0 if bend is None else bend.rms_strain for bend in (transform.bend_p, transform.bend_q))
         likeness += f" as they are bent, by strains of {' and '.join(f'{strain:.1%}' for strain in strains)}"
-        bend = "Bend both shapes more (--bend with a smaller weight)"
+        advice = "Try"
     return (
         f"poor likeness: the IoU is {likeness}, and --min-iou asks for {least:g}. These shapes do not turn well into "
-        f"each other, so that people may not recognise them. {bend}, try another trunk pair (`riot trunks A B` lists "
+        f"each other, so that people may not recognise them. {advice} another trunk pair (`riot trunks A B` lists "
         "them, --rank K takes one), or look for a better partner (`riot match A --in RUN`)"
     )
 
