@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -127,10 +128,14 @@ def test_a_gif_goes_there_and_back(transform: Transform, tmp_path: Path) -> None
 
 
 def test_an_mp4_needs_its_writer(transform: Transform, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def missing(name: str) -> None:
-        raise ModuleNotFoundError(name=name)
+    load = importlib.import_module
 
-    monkeypatch.setattr(importlib, "import_module", missing)
+    def without_the_writer(name: str, package: str | None = None) -> ModuleType:
+        if name == MODULE:
+            raise ModuleNotFoundError(name=name)
+        return load(name, package)
+
+    monkeypatch.setattr(importlib, "import_module", without_the_writer)
     with pytest.raises(MissingExtraError, match=re.escape("riot-shapes[film]")) as caught:
         write_film(transform, tmp_path / "a.mp4")
     assert isinstance(caught.value, RiotError)
