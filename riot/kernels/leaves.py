@@ -39,6 +39,9 @@ CORNER_VALUES = 6
 _STACK = 64
 """Ranges that wait to be halved: more than the binary logarithm of any number of trunks."""
 
+_RUN = 20
+"""Runs of so many are sorted by insertion, then merged. Ours: any number gives the same order, this one soon."""
+
 
 @inner
 def _contrasts(values: FloatArray, n: int) -> tuple[float, float, float]:
@@ -97,7 +100,7 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
     """
     count = len(sizes)
     order, keys = np.empty(count, dtype=np.int64), np.empty(count)
-    spare = np.empty(count, dtype=np.int64)
+    spare_keys, spare = np.empty(count), np.empty(count, dtype=np.int64)
     for k in range(count):
         order[k] = k
     leaves = 0
@@ -133,8 +136,8 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
                 continue
             widest = _widest(values, order, low, high, scale)
             for k in range(low, high):
-                keys[order[k]] = values[order[k], widest]
-            _sort_stably(order, keys, low, high, spare)
+                keys[k] = values[order[k], widest]
+            _sort_stably(keys, order, low, high, spare_keys, spare)
             middle = low + ((high - low + QCRS_LEAF - 1) // QCRS_LEAF) // 2 * QCRS_LEAF
             # The lower half comes next, so that leaves are in order.
             lows[depth], highs[depth] = middle, high
@@ -145,22 +148,32 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
 
 
 @inner
-def _sort_stably(order: IntArray, keys: FloatArray, low: int, high: int, spare: IntArray) -> None:
-    """Sort ``order[low:high]`` by the keys of its entries; equals stay in order (runs of growing length are merged)."""
-    width = 1
+def _sort_stably(
+    keys: FloatArray, order: IntArray, low: int, high: int, spare_keys: FloatArray, spare: IntArray
+) -> None:
+    """Sort ``order[low:high]`` and its keys by the keys; equals stay in order (sorted runs are merged in pairs)."""
+    for start in range(low, high, _RUN):
+        for k in range(start + 1, min(start + _RUN, high)):
+            key, number, at = keys[k], order[k], k
+            while at > start and keys[at - 1] > key:
+                keys[at], order[at] = keys[at - 1], order[at - 1]
+                at -= 1
+            keys[at], order[at] = key, number
+    width = _RUN
     while width < high - low:
-        for start in range(low, high, 2 * width):
-            middle, stop = min(start + width, high), min(start + 2 * width, high)
-            i, j = start, middle
-            for k in range(start, stop):
-                if i < middle and (j >= stop or keys[order[i]] <= keys[order[j]]):
-                    spare[k] = order[i]
-                    i += 1
-                else:
-                    spare[k] = order[j]
+        for start in range(low, high - width, 2 * width):
+            middle, stop = start + width, min(start + 2 * width, high)
+            for k in range(start, middle):
+                spare_keys[k], spare[k] = keys[k], order[k]
+            i, j, at = start, middle, start
+            while i < middle:
+                if j < stop and keys[j] < spare_keys[i]:
+                    keys[at], order[at] = keys[j], order[j]
                     j += 1
-        for k in range(low, high):
-            order[k] = spare[k]
+                else:
+                    keys[at], order[at] = spare_keys[i], spare[i]
+                    i += 1
+                at += 1
         width *= 2
 
 
