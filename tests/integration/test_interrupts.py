@@ -156,8 +156,8 @@ def test_a_run_ends_at_any_moment_and_goes_on_from_there(moment: str, root: Path
     terminal = Terminal(command(tmp_path, root, "cluster=local", "cluster.workers=1"), tmp_path)
     terminal.wait_for(MOMENTS[moment])
     ended = terminal.press_ctrl_c()
-    if moment == "end" and ended[0] == CLEAN:
-        return  # it was over before the key arrived
+    if moment == "end" and ended[0] in (CLEAN, -signal.SIGINT):
+        return  # the command was over before the key arrived, but for Python itself: a shell says 130 then
     check(ended)
     assert run_here(tmp_path, root, "cluster=sync").returncode == CLEAN
     if moment in AFTER_INGEST:
