@@ -168,10 +168,12 @@ class Edit:
         return self.cause.startswith(("code.", "versions."))
 
 
-ALL = frozenset(stage.name for stage in STAGES) - {"shards", "partners", "pairs", "paper", "paint", "fabricate"}
-"""The stages of a usual run that makes no pictures."""
+ALL = frozenset(stage.name for stage in STAGES) - {
+    "shards", "partners", "pairs", "paper", "paint", "fabricate", "margin",
+}  # fmt: skip
+"""The stages of a usual run that makes no pictures; what is made up has no transform of which a margin could be."""
 OF_SHAPES = frozenset(stage.name for stage in STAGES if stage.scope == "batch")
-RATED = OF_SHAPES - {"trunks"}
+RATED = OF_SHAPES - {"trunks"} | {"near_duplicates"}
 """Stages that look for no trunks."""
 STATIC = OF_SHAPES | {"qcrs"}
 TRUNKS_ON = frozenset({"qcrs", "select"})

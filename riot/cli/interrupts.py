@@ -65,8 +65,8 @@ def _watched(say: Callable[[], None]) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        interrupted = True  # the thread stays, in case the end of the process takes long
-        pressed.wait(timeout=SECONDS_TO_NOTICE)
+        # If a key raised it, the thread stays, in case the end of the process takes long.
+        interrupted = pressed.wait(timeout=SECONDS_TO_NOTICE)
         raise
     finally:
         if not interrupted:

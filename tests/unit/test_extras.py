@@ -17,6 +17,7 @@ from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.exit_codes import BAD_START
 from pipeline.run import main
+from pipeline.runtime import clusters
 from pipeline.runtime.clusters import open_cluster
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.location import Url
@@ -117,6 +118,7 @@ def test_an_object_store_and_slurm_name_their_extras(tmp_path: Path, monkeypatch
     monkeypatch.setitem(sys.modules, "dask_jobqueue", None)
     for name in [name for name in sys.modules if name == "pipeline.runtime.clusters.slurm_jobs"]:
         monkeypatch.delitem(sys.modules, name)
+    monkeypatch.delitem(vars(clusters), "slurm_jobs", raising=False)  # hasattr would load it
     with (
         pytest.raises(StartError, match=r"^cluster=slurm: .*package dask_jobqueue, .* 'riot-shapes\[slurm\]'$"),
         open_cluster(ClusterConfig(kind="slurm"), tmp_path, lambda event: None),

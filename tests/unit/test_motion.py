@@ -218,8 +218,8 @@ def test_version_1_is_read_and_has_no_plan() -> None:
     old = from_json(text.replace('"version":2', '"version":1'))
     assert old.plan is None
     assert np.array_equal(old.outline_p(), transform.outline_p())
-    with pytest.raises(FormatError, match="version 3"):
-        from_json(text.replace('"version":2', '"version":3'))
+    with pytest.raises(FormatError, match="version 4"):
+        from_json(text.replace('"version":2', '"version":4'))
 
 
 @pytest.mark.parametrize(
