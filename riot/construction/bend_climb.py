@@ -8,31 +8,23 @@ all unknowns comparable.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from riot.construction.ascent import ascend
 from riot.construction.bend_objective import BendObjective
 from riot.construction.bent_side import BentSide
 from riot.construction.conjugate import is_convex
 from riot.construction.plan import ConstructionPlan, feet_of
 from riot.construction.tuning import (
     ACCEPTED_EDGE_DIFFERENCE,
-    ARMIJO_SHARE,
-    BACKTRACK_FACTOR,
     CONJUGATE_STEPS,
     EDGE_TOLERANCE,
-    FIRST_MOVE,
     FULLEST_STRAIN,
-    LEAST_CURVATURE,
-    LONGEST_MOVE,
-    MOST_BACKTRACKS,
-    MOVE_HISTORY,
-    SETTLED_GAIN,
     STRAIN_TRIALS,
 )
-from riot.kernels.conjugate import conjugated, quasi_newton
+from riot.kernels.conjugate import conjugated
 from riot.parameters import BendParameters
 from riot.types import FloatArray
 from riot.units import D_C
@@ -57,6 +49,10 @@ class BendState:
     amplitudes: tuple[FloatArray, FloatArray]
 
 
+_Point = tuple[FloatArray, FloatArray]
+"""Trunks (2, n, 2), and amplitudes (2, K)."""
+
+
 class BendClimb:
     """One maximisation from a state on, with one objective."""
 
@@ -76,59 +72,24 @@ class BendClimb:
     def run(self, state: BendState, steps: int) -> tuple[BendState, float]:
         """The best state on the way of so many steps at most, and its objective with the worse bound in place of the
         softmin."""
-        trunks, amplitudes = state.trunks, np.stack(state.amplitudes)
-        value, gradient, worse = self.rate(trunks, amplitudes)
-        best, best_worse = (trunks, amplitudes), worse
-        moves, changes, count = np.empty((MOVE_HISTORY, len(gradient))), np.empty((MOVE_HISTORY, len(gradient))), 0
-        for _ in range(steps):
-            direction = quasi_newton(moves, changes, count, gradient)
-            slope, length = float(direction @ gradient), math.sqrt(float(direction @ direction))
-            if length == 0.0 or not slope > 0.0:
-                break
-            share = min(1.0, (LONGEST_MOVE if count else FIRST_MOVE) / length)
-            for _ in range(MOST_BACKTRACKS):
-                moved = self.put_back(trunks, amplitudes, share * direction)
-                if moved is not None:
-                    there, onward, worse = self.rate(*moved)
-                    if there >= value + ARMIJO_SHARE * share * slope:
-                        break
-                share *= BACKTRACK_FACTOR
-            else:
-                if count == 0:
-                    break
-                count = 0  # the curvature that was learnt does not hold here: begin again with the gradient
-                continue
-            assert moved is not None
-            move, change = self.step(trunks, amplitudes, *moved), onward - gradient
-            if float(move @ change) < -LEAST_CURVATURE:
-                moves[count % MOVE_HISTORY], changes[count % MOVE_HISTORY] = move, change
-                count += 1
-            gain = there - value
-            (trunks, amplitudes), value, gradient = moved, there, onward
-            if worse > best_worse:
-                best, best_worse = (trunks, amplitudes), worse
-            if gain < SETTLED_GAIN:
-                break
-        return replace(state, trunks=best[0], amplitudes=(best[1][0], best[1][1])), best_worse
+        (trunks, amplitudes), worth = ascend(self, (state.trunks, np.stack(state.amplitudes)), steps)
+        return replace(state, trunks=trunks, amplitudes=(amplitudes[0], amplitudes[1])), worth
 
-    def step(
-        self, trunks: FloatArray, amplitudes: FloatArray, new_trunks: FloatArray, new_amplitudes: FloatArray
-    ) -> FloatArray:
+    def step(self, point: _Point, after: _Point) -> FloatArray:
         """The step between two points in the unknowns: corners as if they were not carried, and amplitudes."""
-        change = new_amplitudes - amplitudes
-        return np.concatenate([(new_trunks - trunks - self.carried(change)).ravel(), change.ravel()])
+        change = after[1] - point[1]
+        return np.concatenate([(after[0] - point[0] - self.carried(change)).ravel(), change.ravel()])
 
     def carried(self, change: FloatArray) -> FloatArray:
         """How the corners (2, n, 2) go along with a change of the amplitudes (2, K)."""
         return np.asarray(np.einsum("sk,sknx->snx", change, self.carry))
 
-    def put_back(
-        self, trunks: FloatArray, amplitudes: FloatArray, step: FloatArray
-    ) -> tuple[FloatArray, FloatArray] | None:
+    def put_back(self, point: _Point, step: FloatArray) -> _Point | None:
         """Conjugate trunks and amplitudes within the limits of strain after a step.
 
         None if the trunks are too far from the start or not convex.
         """
+        trunks, amplitudes = point
         corners = trunks.size
         target = amplitudes + step[corners:].reshape(amplitudes.shape)
         for side in range(2):
@@ -152,9 +113,10 @@ class BendClimb:
         rms, greatest = self.sides[side].strains(amplitudes)
         return max(rms / self.parameters.rms_strain, greatest / self.parameters.max_strain)
 
-    def rate(self, trunks: FloatArray, amplitudes: FloatArray) -> tuple[float, FloatArray, float]:
+    def rate(self, point: _Point) -> tuple[float, FloatArray, float]:
         """The objective, its gradient by the unknowns along the surface of conjugate trunks, and the objective with the
         worse bound in place of the softmin."""
+        trunks, amplitudes = point
         value, by_trunks, by_amplitudes, worse = self.objective.rate(trunks, list(amplitudes))
         carried = np.einsum("snx,sknx->sk", by_trunks, self.carry)
         gradient = np.concatenate([by_trunks.ravel(), (np.stack(by_amplitudes) + carried).ravel()])

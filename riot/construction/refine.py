@@ -12,25 +12,18 @@ import math
 
 import numpy as np
 
+from riot.construction.ascent import ascend
 from riot.construction.conjugate import is_convex
 from riot.construction.plan import ConstructionPlan, feet_of, plan_on
 from riot.construction.tuning import (
     ACCEPTED_EDGE_DIFFERENCE,
-    ARMIJO_SHARE,
-    BACKTRACK_FACTOR,
     CONJUGATE_STEPS,
     EDGE_TOLERANCE,
-    FIRST_MOVE,
-    LEAST_CURVATURE,
-    LONGEST_MOVE,
-    MOST_BACKTRACKS,
-    MOVE_HISTORY,
-    SETTLED_GAIN,
     SHARPNESS,
     WORTHWHILE_GAIN,
 )
 from riot.kernels.change import least_changes
-from riot.kernels.conjugate import conjugated, quasi_newton, tangential
+from riot.kernels.conjugate import conjugated, tangential
 from riot.parameters import RefineParameters
 from riot.types import FloatArray
 from riot.units import D_C
@@ -51,61 +44,31 @@ def refine(plan: ConstructionPlan, steps: int, parameters: RefineParameters) -> 
     """
     best = plan.trunks
     for sharpness in SHARPNESS:
-        best = _Climb(plan, parameters, sharpness).run(best, steps // len(SHARPNESS))
+        best, _ = ascend(_Conjugate(plan, parameters, sharpness), best, steps // len(SHARPNESS))
     refined = plan_on(plan.pair, best, parameters.bound_lines)
     return refined if refined.bound > plan.bound + WORTHWHILE_GAIN else plan
 
 
-class _Climb:
-    """One maximisation with one sharpness."""
+class _Conjugate:
+    """The surface of conjugate trunks near those of a plan, with the stand-in of one sharpness."""
 
     def __init__(self, plan: ConstructionPlan, parameters: RefineParameters, sharpness: float) -> None:
         self.outlines, self.lines, self.sharpness = plan.pair.windowed_outlines, parameters.lines, sharpness
         self.start, self.slide, self.attach = plan.trunks, parameters.slide * D_C, parameters.attach
 
-    def run(self, trunks: FloatArray, steps: int) -> FloatArray:
-        value, gradient, worse = self.rate(trunks)
-        best, best_worse = trunks, worse
-        moves, changes, count = np.empty((MOVE_HISTORY, trunks.size)), np.empty((MOVE_HISTORY, trunks.size)), 0
-        for _ in range(steps):
-            direction = quasi_newton(moves, changes, count, gradient.ravel()).reshape(trunks.shape)
-            slope, length = float((direction * gradient).sum()), math.sqrt(float((direction * direction).sum()))
-            if length == 0.0 or not slope > 0.0:
-                break
-            share = min(1.0, (LONGEST_MOVE if count else FIRST_MOVE) / length)
-            for _ in range(MOST_BACKTRACKS):
-                moved = self.put_back(trunks + share * direction)
-                if moved is not None:
-                    there, onward, worse = self.rate(moved)
-                    if there >= value + ARMIJO_SHARE * share * slope:
-                        break
-                share *= BACKTRACK_FACTOR
-            else:
-                if count == 0:
-                    break
-                count = 0  # the curvature that was learnt does not hold here: begin again with the gradient
-                continue
-            move, change = (moved - trunks).ravel(), (onward - gradient).ravel()
-            if float((move * change).sum()) < -LEAST_CURVATURE:
-                moves[count % MOVE_HISTORY], changes[count % MOVE_HISTORY] = move, change
-                count += 1
-            gain = there - value
-            trunks, value, gradient = moved, there, onward
-            if worse > best_worse:
-                best, best_worse = trunks, worse
-            if gain < SETTLED_GAIN:
-                break
-        return best
-
-    def put_back(self, trunks: FloatArray) -> FloatArray | None:
-        """The nearest conjugate trunks; None if they are too far from the start or not convex."""
-        conjugate, worst = conjugated(trunks, EDGE_TOLERANCE, CONJUGATE_STEPS)
+    def put_back(self, trunks: FloatArray, step: FloatArray) -> FloatArray | None:
+        """The conjugate trunks near where a step leads; None if they are too far from the start or not convex."""
+        conjugate, worst = conjugated(trunks + step.reshape(trunks.shape), EDGE_TOLERANCE, CONJUGATE_STEPS)
         if not worst <= ACCEPTED_EDGE_DIFFERENCE or np.abs(conjugate - self.start).max() > self.slide:
             return None
         return conjugate if is_convex(conjugate[0]) and is_convex(conjugate[1, ::-1]) else None
 
+    def step(self, trunks: FloatArray, after: FloatArray) -> FloatArray:
+        """The moves of all corners, one after the other."""
+        return (after - trunks).ravel()
+
     def rate(self, trunks: FloatArray) -> tuple[float, FloatArray, float]:
-        """The stand-in, its gradient (2, n, 2) along the surface, and the worse bound; of both the attachment is taken.
+        """The stand-in, its gradient (4n,) along the surface, and the worse bound; of both the attachment is taken.
 
         A corner off the boundary costs area only to second order, but makes a notch or a spike as deep as it is far.
         """
@@ -117,4 +80,4 @@ class _Climb:
         off = trunks - feet_of(self.outlines, trunks)
         cost = self.attach * float((off * off).sum())
         along = tangential(trunks, gradient - 2.0 * self.attach * off)
-        return worse - math.log(total) / self.sharpness - cost, along, worse - cost
+        return worse - math.log(total) / self.sharpness - cost, along.ravel(), worse - cost
