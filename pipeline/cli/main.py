@@ -88,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run_command(name: str, program: str, arguments: Sequence[str] | None = None) -> int:
     """Run the command ``name`` as a program of its own, called ``program`` in messages; returns its exit code."""
-    return run_program(program, RIOT.commands[name], arguments)
+    return run_program(program, RIOT.commands[name], arguments, command=name)
 
 
 if __name__ == "__main__":

@@ -57,7 +57,7 @@ MIN_IOU = 0.85
 
 @dataclass(frozen=True)
 class Wishes:
-    """What else to do than the usual: suffixes of films (.gif, .mp4), the trunk pair by rank, pins, the method."""
+    """What else to do than the usual: films by suffix (.gif, .mp4), the trunk pair by rank, pins, the method, bends."""
 
     films: tuple[str, ...] = ()
     rank: int | None = None
@@ -111,8 +111,15 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     if chosen.stiff is not None and chosen.bend is None:
         raise UsageError("--stiff FILE says what bends less: give --bend, too")
     wishes = Wishes(
-        films, chosen.rank, chosen.pins, chosen.method, chosen.pieces, pictures, chosen.bend, chosen.stiff
-    )  # fmt: skip
+        films=films,
+        rank=chosen.rank,
+        pins=chosen.pins,
+        method=chosen.method,
+        pieces=chosen.pieces,
+        pictures=pictures,
+        bend=chosen.bend,
+        stiff=chosen.stiff,
+    )
     transform = make(chosen.a, chosen.b, chosen.output, wishes, output)
     if min(overlap_ratios(transform)) >= chosen.min_iou:
         return DONE

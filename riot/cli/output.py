@@ -21,6 +21,7 @@ VERSION = 1
 class Output:
     """How a command prints: ``program`` is its name as the user typed it, such as ``riot make``.
 
+    ``command`` is its own name, without that of the program, such as ``make``: JSON documents have it.
     ``words`` has what messages call things, and what the user calls each: the library names a parameter, the user an
     option.
     """
@@ -30,6 +31,7 @@ class Output:
     quiet: bool = False
     verbose: bool = False
     words: Mapping[str, str] = field(default_factory=dict)
+    command: str = ""
 
     def facts(self, document: Mapping[str, Any], *shown: str | Table) -> None:
         """Print facts: ``document`` if the user wants JSON, else what is ``shown``, lines and tables."""
@@ -47,8 +49,7 @@ class Output:
     def document(self, document: Mapping[str, Any]) -> None:
         """Print a JSON document if the user wants JSON: format, version, and the facts of a command."""
         if self.json:
-            name = "-".join(("riot", *self.program.split()[1:]))
-            whole = {"format": name, "version": VERSION, **document}
+            whole = {"format": "-".join(("riot", *self.command.split())), "version": VERSION, **document}
             print(json.dumps(_plain(whole), indent=1, ensure_ascii=False, allow_nan=False))
 
     def note(self, text: str) -> None:

@@ -9,6 +9,7 @@ import textwrap
 import time
 import traceback
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib import metadata
 
 from riot.cli.command import Command, Group
@@ -38,10 +39,12 @@ def run_program(
     entry: Command | Group,
     arguments: Sequence[str] | None = None,
     words: Mapping[str, str] | None = None,
+    command: str = "",
 ) -> int:
     """Run the command line ``arguments``, by default those of the process; returns the exit code.
 
-    ``program`` is its name as typed. ``words``: see `riot.cli.output.Output`.
+    ``program`` is its name as typed, and ``command`` its own name, if it has one. ``words`` and ``command``: see
+    `riot.cli.output.Output`.
 
     >>> run_program("riot", Group("nothing", {}), ["--version"])  # doctest: +ELLIPSIS
     riot ...
@@ -49,7 +52,7 @@ def run_program(
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
-        code = _dispatch(program, entry, list(arguments), words or {})
+        code = _dispatch(Output(program, words=words or {}, command=command), entry, list(arguments))
         sys.stdout.flush()  # here, where a reader that has gone can still be told from an error
         return code
     except BrokenPipeError:
@@ -78,7 +81,7 @@ def version() -> str:
     return metadata.version(DISTRIBUTION)
 
 
-def _dispatch(program: str, entry: Command | Group, arguments: list[str], words: Mapping[str, str]) -> int:
+def _dispatch(output: Output, entry: Command | Group, arguments: list[str]) -> int:
     flags: list[str] = []
     try:
         while isinstance(entry, Group):
@@ -88,7 +91,7 @@ def _dispatch(program: str, entry: Command | Group, arguments: list[str], words:
                     raise UsageError(f"{unknown(flag, FLAGS, 'option', 'options')}; other options follow {entry.noun}s")
                 flags.append(flag)
             if VERSION in flags or not HELP.isdisjoint(flags):
-                print(f"riot {version()}" if VERSION in flags else group_help(program, entry))
+                print(f"riot {version()}" if VERSION in flags else group_help(output.program, entry))
                 return DONE
             if not arguments:
                 names = "\n".join(listed({name: of.summary for name, of in entry.commands.items()}, columns()))
@@ -96,29 +99,35 @@ def _dispatch(program: str, entry: Command | Group, arguments: list[str], words:
             name = arguments.pop(0)
             if name not in entry.commands:
                 raise UsageError(unknown(name, entry.commands, entry.noun, entry.plural))
-            program, entry = f"{program} {name}", entry.commands[name]
+            program, command = f"{output.program} {name}", f"{output.command} {name}"
+            output, entry = replace(output, program=program, command=command), entry.commands[name]
     except UsageError as error:
-        return _misused(Output(program, words=words), error)
-    with interruptible(entry.interruption or f"{program}: interrupted"):
-        return _run(program, entry, [*flags, *arguments], words)
+        return _misused(output, error)
+    with interruptible(entry.interruption or f"{output.program}: interrupted"):
+        return _run(output, entry, [*flags, *arguments])
 
 
-def _run(program: str, command: Command, arguments: Sequence[str], words: Mapping[str, str]) -> int:
-    output = Output(program, verbose="-v" in arguments or "--verbose" in arguments, words=words)
+def _run(output: Output, command: Command, arguments: Sequence[str]) -> int:
+    output = replace(output, verbose="-v" in arguments or "--verbose" in arguments)
     if VERSION in arguments:
         print(f"riot {version()}")
         return DONE
     started = time.perf_counter()
     try:
         with needs_extra(command.extra) if command.extra else contextlib.nullcontext():
-            parser = command.parser(program)
+            parser = command.parser(output.program)
             if not HELP.isdisjoint(arguments):
                 print(output.worded(parser.format_help()), end="")
                 return DONE
             chosen = parser.parse(arguments)
             chosen.arguments = [argument for argument in arguments if argument not in FLAGS]
-            json = parser.takes_json and chosen.json
-            output = Output(program, json, chosen.quiet, chosen.verbose, {**words, **parser.flags})
+            output = replace(
+                output,
+                json=parser.takes_json and chosen.json,
+                quiet=chosen.quiet,
+                verbose=chosen.verbose,
+                words={**output.words, **parser.flags},
+            )
             code = command.load().run(chosen, output)
     except BrokenPipeError:
         raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import shutil
@@ -157,10 +158,23 @@ def test_facts_are_json_where_that_is_wanted(
         code, out, _ = ended(capsys, *arguments, "--json")
         document = json.loads(out)
         assert code == 0 and name in document, arguments
-        assert document["format"].startswith("riot-") and document["version"] == 1
+        words = itertools.takewhile(str.isalpha, arguments)
+        assert (document["format"], document["version"]) == ("-".join(("riot", *words)), 1)
         assert ended(capsys, "--json", *arguments) == (0, out, "")
         code, out, err = ended(capsys, *arguments, "--quiet")
         assert (code, out, err) == (0, "", ""), arguments
+
+
+def test_a_module_prints_the_same_documents_as_the_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "store").mkdir()
+    for module, arguments in (("run", ["--plan"]), ("cache", ["du"]), ("study", ["list"])):
+        command = "mine" if module == "run" else module
+        code, out, _ = ended(capsys, command, *arguments, "--json")
+        assert MODULES[f"python -m pipeline.{module}"]([*arguments, "--json"]) == code == 0
+        assert capsys.readouterr().out == out
 
 
 def test_verbose_tells_where_an_error_comes_from(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
