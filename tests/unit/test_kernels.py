@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import inspect
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,12 @@ def test_kernel_modules_do_not_call_each_other(name: str) -> None:
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     kernels = {module for module in imported if module and module.startswith("riot.kernels")}
     assert kernels - {"riot.kernels.forest"} == {"riot.kernels.options"}  # a forest is data: its type is in the cache
+
+
+@pytest.mark.parametrize(("name", "modules"), [("_sort", ("congruency", "segments", "visibility"))])
+def test_a_helper_that_stands_in_several_modules_is_the_same_in_each(name: str, modules: tuple[str, ...]) -> None:
+    helpers = [getattr(importlib.import_module(f"riot.kernels.{module}"), name) for module in modules]
+    assert len({inspect.getsource(helper.py_func) for helper in helpers}) == 1
 
 
 def called_kernels() -> list[tuple[str, str]]:
