@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -175,6 +176,35 @@ def test_a_module_prints_the_same_documents_as_the_command(
         code, out, _ = ended(capsys, command, *arguments, "--json")
         assert MODULES[f"python -m pipeline.{module}"]([*arguments, "--json"]) == code == 0
         assert capsys.readouterr().out == out
+
+
+def test_the_commands_of_two_shapes_hand_json_from_one_to_the_next(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def facts(*arguments: str) -> dict[str, Any]:
+        code, out, err = ended(capsys, *arguments, "--json", "--quiet")
+        assert (code, err) == (0, "")
+        document: dict[str, Any] = json.loads(out)
+        assert (document["format"], document["version"]) == (f"riot-{arguments[0]}", 1)
+        return document
+
+    inputs = []
+    for name, path in (("house", "M1 8H8V4L4.5 1L1 4Z"), ("kite", "M4 1L8 4L4 9L1 4Z")):
+        inputs.append(str(tmp_path / f"{name}.svg"))
+        Path(inputs[-1]).write_text(
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><path d="{path}"/></svg>'
+        )
+    pairs = facts("trunks", *inputs)["trunk_pairs"]
+    assert [pair["rank"] for pair in pairs] == list(range(1, len(pairs) + 1))
+    best = max(range(len(pairs)), key=lambda k: min(pairs[k]["bound_p"], pairs[k]["bound_q"]))
+    made = facts("make", *inputs, "-o", str(tmp_path / "made"), "--rank", str(best + 1))
+    assert made["certificate"]["passed"] and made["pieces"] == pairs[best]["pieces"]
+    for side, name in zip(made["inputs"], "pq", strict=True):
+        assert 0.8 < side["iou"] <= side["bound"] == pytest.approx(pairs[best][f"bound_{name}"], abs=0.05)
+    assert all(Path(file).is_file() for file in made["files"])
+    printed = facts("print", made["files"][0], "-o", str(tmp_path / "parts"), "--size", "100")
+    assert printed["puzzle"]["parameters"]["size_mm"] == 100.0
+    assert all(Path(file).is_file() for file in printed["files"])
 
 
 def test_verbose_tells_where_an_error_comes_from(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
