@@ -5,6 +5,7 @@ In processes of its own where that matters, else in this one, which saves the st
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -123,6 +124,13 @@ def test_a_finished_run_computes_nothing_and_says_so(copied: Path, root: Path) -
     assert {file: file.stat().st_mtime_ns for file in folder.rglob("*")} == before
     plan = run_here(copied, root, "--plan")
     assert plan.returncode == CLEAN and "nothing was run" in plan.stdout
+    facts = json.loads(run_here(copied, root, "cluster=sync", "--json").stdout)
+    assert (facts["format"], facts["version"], facts["exit_code"]) == ("riot-mine", 1, CLEAN)
+    assert [(stage["computed"], stage["cached"]) for stage in facts["stages"]] == [
+        (0, stage["items"]) for stage in facts["stages"]
+    ]
+    assert {stage["stage"] for stage in facts["stages"]} == set(stages(copied))
+    assert Path(facts["report"]).is_file()
 
 
 def test_lost_tables_are_written_again_from_the_store(copied: Path, finished: Path, root: Path) -> None:
