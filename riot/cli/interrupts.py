@@ -61,6 +61,7 @@ def _watched(say: Callable[[], None]) -> Iterator[None]:
     pressed = threading.Event()
     watch = threading.Thread(target=_watch, args=(arrivals, say, pressed), daemon=True, name="interrupts")
     watch.start()
+    hook, sys.unraisablehook = sys.unraisablehook, _silent_about_interrupts(sys.unraisablehook)
     interrupted = False
     try:
         yield
@@ -70,9 +71,23 @@ def _watched(say: Callable[[], None]) -> Iterator[None]:
         raise
     finally:
         if not interrupted:
+            sys.unraisablehook = hook
             signal.set_wakeup_fd(before)
             wakeup.close()
             watch.join()
+
+
+def _silent_about_interrupts(hook: Callable[[sys.UnraisableHookArgs], object]) -> Callable[..., object]:
+    """A hook that says nothing of a KeyboardInterrupt that Python drops: the watching thread ends the process then.
+
+    Python drops one that is raised where nobody could catch it, such as in the callback of a weak reference.
+    """
+
+    def say_others(dropped: sys.UnraisableHookArgs) -> None:
+        if not issubclass(dropped.exc_type, KeyboardInterrupt):
+            hook(dropped)
+
+    return say_others
 
 
 class _Once:

@@ -204,3 +204,24 @@ def test_commands_of_two_files_end(name: str, root: Path, tmp_path: Path) -> Non
     terminal = Terminal([sys.executable, "-m", "pipeline.cli.main", name, str(a), str(b), *output], tmp_path)
     terminal.wait_for(lambda _, process: any("_dispatcher" in file.path for file in process.memory_maps()))
     check(terminal.press_ctrl_c())
+
+
+DROPS_THE_INTERRUPT = """
+import signal, threading, weakref
+from riot.cli.interrupts import interruptible
+
+class Thing: ...
+
+with interruptible("Interrupted."):
+    thing = Thing()
+    watched = weakref.ref(thing, lambda _: signal.raise_signal(signal.SIGINT))
+    del thing
+    print("goes on", flush=True)
+    threading.Event().wait(60)
+"""
+
+
+def test_an_interrupt_that_python_drops_ends_it_without_a_traceback(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", DROPS_THE_INTERRUPT]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=50, cwd=tmp_path)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (INTERRUPTED, "goes on\n", "Interrupted.\n")
