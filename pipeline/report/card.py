@@ -9,7 +9,7 @@ from pipeline.report.rows import TransformRow
 from riot.draw.animate import swing_of
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
-from riot.draw.scene import Box, Mark, PlacedPiece, Scene, around, extent
+from riot.draw.scene import Box, Mark, Scene, around, extent
 from riot.draw.svg import definitions, fragment, naming
 from riot.errors import needs_extra
 from riot.motion.planner import motion_of
@@ -18,7 +18,7 @@ from riot.transform.transform import Transform
 with needs_extra("mine"):
     from markupsafe import Markup
 
-PANEL_PENS, CHAIN_PENS, THUMB_PENS = 210.0, 420.0, 96.0
+PANEL_PENS, CHAIN_PENS = 210.0, 420.0
 """Usual widths of the pictures on the page, in pixels: dots are sized for them."""
 
 MARGIN = 0.06
@@ -46,14 +46,13 @@ class Card:
     """A transform as a page shows it.
 
     ``definitions`` of its pieces stand once on the page; ``panels`` are the pictures of P, then those of Q; ``moves``
-    are the swing, if a motion is planned, and the chain; ``halves`` are small pictures of P and Q.
+    are the swing, if a motion is planned, and the chain.
     """
 
     row: TransformRow
     definitions: Markup
     panels: tuple[CardPicture, ...]
     moves: tuple[CardPicture, ...]
-    halves: tuple[Markup, ...]
 
 
 def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGES) -> Card:
@@ -85,12 +84,7 @@ def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGE
     title = f"The chain of {len(sketched)} pieces laid straight: {row.name_p} below, {row.name_q} above"
     box = around([extent(chain, pieces)], MARGIN)
     moves.append(CardPicture(drawn(title, box, CHAIN_PENS, chain, "chain"), "the chain, straight"))
-    halves = [drawn(name, frames[side], THUMB_PENS, _pieces(sketched, side)) for side, name in sides]
-    return Card(row, Markup(definitions(pieces, prefix, images)), tuple(panels), tuple(moves), tuple(halves))
-
-
-def _pieces(transform: Transform, side: str) -> list[Mark]:
-    return [mark for mark in dissection_marks(transform, side) if isinstance(mark, PlacedPiece)]
+    return Card(row, Markup(definitions(pieces, prefix, images)), tuple(panels), tuple(moves))
 
 
 def _frames(sketched: Transform, marks: dict[str, list[list[Mark]]]) -> dict[str, Box]:

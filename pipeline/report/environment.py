@@ -11,6 +11,7 @@ from typing import Any
 
 from pipeline.report import formats
 from pipeline.report.assets import TEMPLATES, read_asset
+from pipeline.report.words import becomes
 from riot.draw.animate import MOTION_STYLE
 from riot.draw.palette import DARK, LIGHT
 from riot.draw.svg_style import page_colours, page_style
@@ -62,6 +63,6 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
         auto_reload=False,
     )
-    environment.filters.update(formats.FILTERS)
+    environment.filters.update(formats.FILTERS, becomes=becomes)
     environment.globals.update(asset=_asset, style_sheet=style_sheet, zip=zip)
     return environment

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 from pipeline.report.assets import read_asset
 from pipeline.report.environment import render, style_sheet
+from pipeline.report.pictures import HEIGHT, WIDTH
 from pipeline.report.rows import TransformRow
-from pipeline.report.thumb import HEIGHT, WIDTH
 
-INDEX, STYLE, SCRIPT = "index.html", "style.css", "gallery.js"
+INDEX, STYLE = "index.html", "style.css"
+SCRIPTS = ("gallery.js", "wall.js")
 REPORT = "../report.html"
 
 
@@ -26,7 +27,10 @@ class SortOrder:
 
 ORDERS: Mapping[str, SortOrder] = {
     "rank": SortOrder("rank", lambda row: row.rank),
-    "iou": SortOrder("IoU", lambda row: row.iou, greatest_first=True),
+    "recognised": SortOrder("recognised (margin)", lambda row: row.margin, greatest_first=True),
+    "iou": SortOrder("fidelity (IoU)", lambda row: row.iou, greatest_first=True),
+    "strain": SortOrder("least strain", lambda row: row.strain),
+    "surprise": SortOrder("surprise", lambda row: row.surprise, greatest_first=True),
     "bound": SortOrder("bound of the IoU", lambda row: min(row.bound_p, row.bound_q), greatest_first=True),
     "change": SortOrder("change / least", lambda row: row.change_ratio),
     "crs": SortOrder("CRS", lambda row: row.crs, greatest_first=True),
@@ -36,10 +40,9 @@ ORDERS: Mapping[str, SortOrder] = {
     "bending": SortOrder("bending", lambda row: max(row.bending_p, row.bending_q)),
     "direction": SortOrder("directions off", lambda row: max(row.direction_p, row.direction_q)),
     "limbs": SortOrder("limbs kept (clDice)", lambda row: row.cldice, greatest_first=True),
-    "recognised": SortOrder("recognised (margin)", lambda row: row.margin, greatest_first=True),
     "n": SortOrder("pieces", lambda row: row.n),
 }
-"""Of two shapes the worse one counts, as everywhere."""
+"""Of two shapes the worse one counts, as everywhere. A page offers those of which the run has values."""
 
 
 @dataclass(frozen=True)
@@ -74,17 +77,17 @@ def index(name: str, rows: Sequence[TransformRow], printed: frozenset[int] = fro
         name=name,
         items=[_item(row, numbers, row.rank in printed) for row in rows],
         filters=filters,
-        orders=ORDERS,
+        orders={name: order for name, order in ORDERS.items() if any(math.isfinite(order.value(row)) for row in rows)},
+        names=list(ORDERS),
         report=REPORT,
         style=STYLE,
-        script=SCRIPT,
         size=(WIDTH, HEIGHT),
     )
 
 
 def files() -> dict[str, str]:
     """The texts of the files that all pages of the gallery share, by name."""
-    return {STYLE: style_sheet("gallery.css"), SCRIPT: read_asset("gallery.js")}
+    return {STYLE: style_sheet("wall.css", "gallery.css"), **{name: read_asset(name) for name in SCRIPTS}}
 
 
 def _item(row: TransformRow, classes: Mapping[str, int], printed: bool) -> GalleryItem:

@@ -1,4 +1,4 @@
-"""What the report shows, from the tables of a run: sections in the order of the method, after the gallery. Ours."""
+"""What the report shows, from the tables of a run: transforms, then numbers in the order of the method. Ours."""
 
 from __future__ import annotations
 
@@ -6,23 +6,33 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.report.card import Card
 from pipeline.report.environment import render
+from pipeline.report.first import first_transforms
 from pipeline.report.formats import MISSING
+from pipeline.report.gallery import INDEX
 from pipeline.report.histogram import Histogram, histogram
+from pipeline.report.pictures import HEIGHT, WIDTH
 from pipeline.report.rows import TransformRow
 from pipeline.report.run import ReportedRun
 from pipeline.tables.messages import sentences
 from pipeline.tables.record import GALLERY, STUDY
+from riot.errors import needs_extra
+
+with needs_extra("mine"):
+    from markupsafe import Markup
 
 SHOWN_PAIRS = 20
-"""Rows of pairs in sight; the others can be unfolded."""
+"""Rows of the best pairs, and of those compared that are in sight; the others of these can be unfolded."""
 
-SHOWN_ERRORS = 200
-"""The page shows no more rows of errors; the table has them all."""
+SHOWN_ROWS = 200
+"""The page shows no more rows of errors, or of rejections; the tables have them all."""
 
-SHOWN_CARDS = 100
+SHOWN_TRANSFORMS = 100
 """The page shows no more transforms; the gallery has them all."""
+
+
+Silhouettes = Mapping[int, tuple[Markup, Markup]]
+"""SVG elements of the inputs of transforms, by rank."""
 
 
 @dataclass(frozen=True)
@@ -36,17 +46,36 @@ class Rejection:
 
 @dataclass(frozen=True)
 class ReportPage:
-    """The report: a run's numbers, the cards of its best transforms, and where its transforms have a page.
+    """The report: the transforms that a run found, and its numbers.
 
-    ``links`` lead from the rank of each transform to its card or to its page in the gallery, which has ``listed`` of
-    them. ``settings`` are groups of names and values.
+    ``transforms`` are those that have a page in the gallery, best first, and ``silhouettes`` SVG elements of their
+    inputs, by rank. ``settings`` are groups of names and values.
     """
 
     run: ReportedRun
-    cards: Sequence[Card]
-    links: Mapping[int, str]
-    listed: int
+    transforms: Sequence[TransformRow]
+    silhouettes: Silhouettes
     rejections: Sequence[Rejection]
+
+    @property
+    def first(self) -> list[TransformRow]:
+        """Those that swing on the first screen."""
+        return first_transforms(self.transforms)
+
+    @property
+    def wall(self) -> Sequence[TransformRow]:
+        """Those that the page shows."""
+        return self.transforms[:SHOWN_TRANSFORMS]
+
+    @property
+    def links(self) -> Mapping[int, str]:
+        """From the rank of each transform to its page in the gallery."""
+        return {row.rank: f"{GALLERY}/{row.page}" for row in self.transforms}
+
+    @property
+    def shown_classes(self) -> int:
+        """Number of classes that have a transform."""
+        return len({kind for row in self.transforms for kind in row.classes})
 
     @property
     def sentences(self) -> list[str]:
@@ -77,21 +106,23 @@ class ReportPage:
         return {name: list(_leaves(values)) for name, values in (({"run": plain} if plain else {}) | groups).items()}
 
 
-def page(run: ReportedRun, cards: Sequence[Card], lost: Sequence[Rejection], gallery: Mapping[int, str]) -> str:
-    """The text of the report; ``lost`` are transforms whose file cannot be read.
+def page(
+    run: ReportedRun, transforms: Sequence[TransformRow], silhouettes: Silhouettes, lost: Sequence[Rejection]
+) -> str:
+    """The text of the report.
 
-    ``cards`` are the best `SHOWN_CARDS`; ``gallery`` leads from the ranks of all that can be read to their pages.
+    ``transforms`` are those that have a page in the gallery, ``lost`` those whose file cannot be read.
     """
-    links = {**gallery, **{card.row.rank: f"#t{card.row.rank}" for card in cards}}
     refused = [Rejection(row, row.reason, row.message) for row in run.rejected]
-    report = ReportPage(run, cards, links, len(gallery), [*refused, *lost])
     return render(
         "report.html",
-        report=report,
+        report=ReportPage(run, transforms, silhouettes, [*refused, *lost]),
         run=run,
         shown_pairs=SHOWN_PAIRS,
-        shown_errors=SHOWN_ERRORS,
-        gallery=f"{GALLERY}/index.html",
+        shown_rows=SHOWN_ROWS,
+        base=f"{GALLERY}/",
+        size=(WIDTH, HEIGHT),
+        gallery=f"{GALLERY}/{INDEX}",
         studies=f"{STUDY}/index.html",
     )
 

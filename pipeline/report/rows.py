@@ -64,6 +64,11 @@ class TransformRow:
     margin_q: float
     other_p: str
     other_q: str
+    surprise: float
+    max_strain_p: float
+    max_strain_q: float
+    rms_strain_p: float
+    rms_strain_q: float
     swings_flat: bool | None
     """None = not planned."""
 
@@ -91,6 +96,23 @@ class TransformRow:
     def thumb(self) -> str:
         """File name of its small picture there."""
         return f"{self.stem}.svg"
+
+    @property
+    def swing(self) -> str:
+        """File name of its animation there; empty if no motion is planned."""
+        return "" if self.approximate else f"{self.stem}.swing.svg"
+
+    @property
+    def preview(self) -> str:
+        """File name of the picture that stands for its page where a link to it is shown."""
+        return f"{self.stem}.png"
+
+    @property
+    def strain(self) -> float:
+        """Root of the mean square of the strain of the shape that bends more; nan if nothing bends."""
+        return max(
+            (value for value in (self.rms_strain_p, self.rms_strain_q) if math.isfinite(value)), default=math.nan
+        )
 
     @property
     def hausdorff(self) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pipeline.report.card import Card
 from pipeline.report.environment import render
-from pipeline.report.gallery import INDEX, SCRIPT, STYLE
+from pipeline.report.gallery import INDEX, STYLE
 from pipeline.report.rows import PuzzleRow, TransformRow
 from riot.motion.planner import motion_of
 from riot.transform.provenance import describe_history
@@ -30,5 +30,4 @@ def transform_page(
         after=after,
         index=INDEX,
         style=STYLE,
-        script=SCRIPT,
     )

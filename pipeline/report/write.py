@@ -7,20 +7,23 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.report import gallery
-from pipeline.report.card import Card, card
-from pipeline.report.page import SHOWN_CARDS, Rejection, page
+from pipeline.report.card import card
+from pipeline.report.page import Rejection, page
+from pipeline.report.pictures import preview, silhouettes, swing, thumb
 from pipeline.report.rows import TransformRow
 from pipeline.report.run import read_run
-from pipeline.report.thumb import thumb
 from pipeline.report.transform_page import transform_page
 from pipeline.store.store import write_atomically
 from pipeline.tables.outputs import new_place, replace_folder
 from pipeline.tables.record import GALLERY, REPORT
 from pipeline.tables.textures import read_textures
 from riot.draw.piece_image import PieceImages
-from riot.errors import FormatError
+from riot.errors import FormatError, needs_extra
 from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
+
+with needs_extra("mine"):
+    from markupsafe import Markup
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,26 +45,27 @@ def write_report(run_dir: Path) -> Path:
     puzzles = {puzzle.rank: puzzle for puzzle in run.puzzles}
     lost: list[Rejection] = []
     rows: list[TransformRow] = []
-    cards: list[Card] = []
+    inputs: dict[int, tuple[Markup, Markup]] = {}
     temporary = new_place(run_dir)
     temporary.mkdir()
     for before, now, after in _between(_readable(run_dir, run.constructed, lost)):
         row = now.row
-        shown = card(row, now.transform, now.images)
         neighbours = [None if neighbour is None else neighbour.row for neighbour in (before, after)]
+        shown = card(row, now.transform, now.images)
         _write(temporary / row.page, transform_page(shown, now.transform, puzzles.get(row.rank), *neighbours))
         _write(temporary / row.thumb, thumb(now.transform, now.images))
+        if row.swing:
+            _write(temporary / row.swing, swing(now.transform, now.images))
+        (temporary / row.preview).write_bytes(preview(now.transform, now.images))
         rows.append(row)
-        if len(cards) < SHOWN_CARDS:
-            cards.append(shown)
+        inputs[row.rank] = silhouettes(now.transform)
     printed = frozenset(rank for rank, puzzle in puzzles.items() if puzzle.folder)
     _write(temporary / gallery.INDEX, gallery.index(run.name, rows, printed))
     for name, text in gallery.files().items():
         _write(temporary / name, text)
     replace_folder(temporary, run_dir / GALLERY)
     target = run_dir / REPORT
-    links = {row.rank: f"{GALLERY}/{row.page}" for row in rows}
-    write_atomically(target, page(run, cards, lost, links).encode())
+    write_atomically(target, page(run, rows, inputs, lost).encode())
     return target
 
 

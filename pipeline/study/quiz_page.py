@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.report.environment import render
-from pipeline.report.thumb import HEIGHT, WIDTH, thumb
+from pipeline.report.pictures import HEIGHT, WIDTH, thumb
 from pipeline.study.finished import StudiedRun
 from pipeline.study.quiz_pairs import QuizPair
 from riot.draw.palette import LIGHT

@@ -1,5 +1,6 @@
 """The gallery of an invented run: a plain list without script; with it, a thousand transforms filtered and sorted."""
 
+import io
 import math
 import re
 import shutil
@@ -10,12 +11,14 @@ import fake_run
 import numpy as np
 import pytest
 from html_page import Page
+from PIL import Image
 
 from pipeline.report import gallery, write_report
-from pipeline.report.gallery import INDEX, ORDERS, SCRIPT, STYLE, index
-from pipeline.report.page import SHOWN_CARDS
+from pipeline.report.first import FIRST, first_transforms
+from pipeline.report.gallery import INDEX, ORDERS, SCRIPTS, STYLE, index
+from pipeline.report.page import SHOWN_TRANSFORMS
+from pipeline.report.pictures import PREVIEW, preview, swing, thumb
 from pipeline.report.run import read_run
-from pipeline.report.thumb import thumb
 from pipeline.study.contents import write_contents
 from pipeline.tables.record import GALLERY
 from riot.transform.history import History, HistoryStep
@@ -97,12 +100,14 @@ def test_every_link_and_picture_is_there(run):
         assert len(ids) == len(set(ids))
         for tag, attrs, _ in parsed.elements:
             assert not any(name.startswith("on") for name in attrs)
-            for name in {"href", "src"} & set(attrs):
+            for name in {"href", "src", "srcset"} & set(attrs):
                 address = attrs[name]
                 if address.startswith("#"):
                     assert address[1:] in ids
                 elif not address.startswith("data:image/"):
-                    assert tag in {"a", "link", "img", "script"} and (page.parent / address).resolve().exists(), address
+                    assert (
+                        tag in {"a", "link", "img", "script", "source"} and (page.parent / address).resolve().exists()
+                    ), address
 
 
 def test_is_a_plain_list_without_script(run):
@@ -114,10 +119,10 @@ def test_is_a_plain_list_without_script(run):
     assert [attrs["href"] for attrs in parsed.all("a") if attrs["href"].startswith("0")] == names
     pictures = parsed.all("img")
     assert [attrs["src"] for attrs in pictures] == [row.thumb for row in rows]
-    assert all(attrs["loading"] == "lazy" and attrs["alt"] and attrs["width"] for attrs in pictures)
+    assert all(attrs["loading"] == "lazy" and attrs["width"] for attrs in pictures)
     shown = "".join(parsed.text)
     for row in rows:
-        assert f"{row.name_p} ⇄ {row.name_q}".translate({1: "�", 127: "�"}) in shown and f"IoU {row.iou:.3f}" in shown
+        assert f"{row.name_p} ⇄ {row.name_q}".translate({1: "�", 127: "�"}) in shown and f"IoU {row.iou:.2f}" in shown
 
 
 def test_a_page_tells_all_of_its_transform(run):
@@ -151,7 +156,8 @@ def test_an_older_gallery_is_replaced_and_lost_transforms_are_not_in_it(run, tmp
     write_report(folder)
     names = {file.name for file in (folder / GALLERY).iterdir()}
     kept = [row for row in rows if row.rank != 2]
-    assert names == {INDEX, STYLE, SCRIPT, *(row.page for row in kept), *(row.thumb for row in kept)}
+    pictures = [name for row in kept for name in (row.page, row.thumb, row.swing, row.preview)]
+    assert names == {INDEX, STYLE, *SCRIPTS, *pictures}
     page = Page((folder / GALLERY / rows[0].page).read_text(encoding="utf-8"))
     assert [link["href"] for link in page.all("a") if link.get("rel") == "next"] == [rows[2].page]
 
@@ -170,24 +176,56 @@ def test_a_small_picture_shows_both_shapes_at_one_scale_in_light_and_dark():
 
 
 def test_the_report_shows_the_best_and_leads_to_the_others(run, tmp_path, monkeypatch):
-    assert SHOWN_CARDS == 100
-    monkeypatch.setattr("pipeline.report.write.SHOWN_CARDS", 2)
+    assert SHOWN_TRANSFORMS == 100
+    monkeypatch.setattr("pipeline.report.page.SHOWN_TRANSFORMS", 2)
     folder = tmp_path / "run"
     shutil.copytree(run, folder)
-    text = write_report(folder).read_text(encoding="utf-8")
+    page = Page(write_report(folder).read_text(encoding="utf-8"))
     rows = read_run(folder).constructed
-    assert len(re.findall('<article class="card"', text)) == 2
-    links = [attrs["href"] for attrs in Page(text).all("a")]
-    assert "#t2" in links and "#t3" not in links and f"{GALLERY}/{rows[2].page}" in links
-    assert f"{GALLERY}/{INDEX}" in links
+    on_wall = [attrs["src"] for tag, attrs, stack in page.elements if tag == "img" and "picture" not in stack]
+    assert on_wall == [f"{GALLERY}/{row.thumb}" for row in rows[:2]]
+    links = [attrs["href"] for attrs in page.all("a")]
+    assert f"{GALLERY}/{rows[2].page}" in links and f"{GALLERY}/{INDEX}" in links
+
+
+def test_the_first_are_of_different_things_and_swing(rows):
+    first = first_transforms(rows)
+    assert len(first) == FIRST and first[0].rank == rows[1].rank  # the best one lifts, the next swings flat
+    things = [{row.class_p, row.class_q} for row in first[:3]]
+    assert not things[0] & things[1] and not things[0] & things[2] and not things[1] & things[2]
+    paper = [replace(row, status="approximate") for row in rows]
+    assert first_transforms(paper) == [] == first_transforms([])
+    alike = [replace(row, class_p="", class_q="", name_p="a", name_q="b") for row in rows[:9]]
+    assert len(first_transforms(alike)) == FIRST  # rather the same things again than an empty place
+
+
+def test_pictures_of_a_transform():
+    transform = fake_run.transforms()[1]
+    moving = swing(transform)
+    root = ET.fromstring(moving)
+    assert moving.count("<animateTransform") == 2 * len(transform) and root.get("viewBox")
+    defined = set(re.findall(r"(--[\w-]+):#", moving))
+    assert set(re.findall(r"var\((--[\w-]+)\)", moving)) <= defined
+    with Image.open(io.BytesIO(preview(transform))) as picture:
+        assert picture.size == PREVIEW and picture.convert("RGB").getcolors(100_000)[0][0] < 0.9 * math.prod(PREVIEW)
 
 
 def test_a_thousand_transforms_make_a_small_page(rows):
     text = index("many", rows)
-    assert len(text.encode()) < 450 * MANY
+    assert len(text.encode()) < 520 * MANY
     page = Page(text)
     assert len(page.all("li")) == MANY and not page.all("svg")
     assert all(len(attrs["data-v"].split()) == len(ORDERS) for attrs in page.all("li"))
+    assert len(page.elements) < 7 * MANY
+
+
+def test_a_gallery_sorts_by_what_the_run_has(rows):
+    def offered(rows):
+        return [attrs["value"] for attrs in Page(index("some", rows)).all("option") if "data-sign" in attrs]
+
+    assert not {"surprise", "strain", "recognised"} & set(offered(rows))
+    rich = [replace(row, surprise=0.5, margin=0.25, rms_strain_p=0.01) for row in rows]
+    assert offered(rich)[:5] == ["rank", "recognised", "iou", "strain", "surprise"]
 
 
 def test_an_empty_gallery_says_so():
@@ -232,7 +270,7 @@ def tab(browser, many):
 def visible(tab):
     """Ranks of what is shown, in order."""
     positions = tab.eval_on_selector_all(
-        ".grid li", "all => all.filter(one => !one.hidden).map(one => one.dataset.v.split(' ')[0])"
+        ".wall li", "all => all.filter(one => !one.hidden).map(one => one.dataset.v.split(' ')[0])"
     )
     return [int(position) for position in positions]
 
@@ -311,8 +349,8 @@ def test_pictures_out_of_sight_are_not_loaded(tab):
 
 def test_without_script_there_is_a_list_and_no_form(browser, many):
     page = new_page(browser)
-    page.route(f"**/{SCRIPT}", lambda route: route.abort())
+    page.route("**/*.js", lambda route: route.abort())
     page.goto((many / INDEX).as_uri(), wait_until=READY)
-    assert page.locator(".grid li:visible").count() == MANY
+    assert page.locator(".wall li:visible").count() == MANY
     assert not page.locator(".controls").is_visible()
     page.close()

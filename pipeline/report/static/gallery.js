@@ -10,15 +10,16 @@ function gallery(form, list) {
     values: node.dataset.v.split(' ').map(Number),
     classes: node.dataset.c.split(' '),
     marks: node.dataset.m,
-    text: (node.querySelector('b').textContent + ' ' +
+    text: (node.querySelector('b').textContent + ' ' + node.querySelector('small').firstChild.data + ' ' +
       node.dataset.c.split(' ').map(k => k && field.class.options[+k + 1].text).join(' ')).toLowerCase(),
   }));
-  const at = Object.fromEntries(orders.map((order, k) => [order.value, k]));
+  const at = Object.fromEntries(orders.map(order => [order.value, +order.dataset.at]));
   const ticks = [...form.querySelectorAll('[data-mark]')];
   let visible = items, sorted = '';
 
   function sort() {
-    const key = field.sort.value, sign = (field.reverse.checked ? -1 : 1) * orders[at[key]].dataset.sign;
+    const key = field.sort.value;
+    const sign = (field.reverse.checked ? -1 : 1) * field.sort.selectedOptions[0].dataset.sign;
     if (key + sign === sorted) return;
     sorted = key + sign;
     const value = item => item.values[at[key]];
@@ -104,6 +105,6 @@ function single() {
   });
 }
 
-const form = document.querySelector('.controls'), list = document.querySelector('.grid');
+const form = document.querySelector('.controls'), list = document.querySelector('.wall');
 if (form && list) gallery(form, list);
 else if (!form) single();
