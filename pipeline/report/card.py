@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from pipeline.report.rows import TransformRow
-from riot.draw.animate import swing_of
+from riot.draw.animate import loop_times, swing_of
 from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Box, Mark, Scene, around, extent
@@ -42,17 +42,29 @@ class CardPicture:
 
 
 @dataclass(frozen=True)
-class Card:
-    """A transform as a page shows it.
+class Player:
+    """The swing as an SVG element, and when it leaves P, reaches Q, is back, and starts again, in seconds.
 
-    ``definitions`` of its pieces stand once on the page; ``panels`` are the pictures of P, then those of Q; ``moves``
-    are the swing, if a motion is planned, and the chain.
+    See `riot.draw.animate.loop_times`.
+    """
+
+    svg: Markup
+    times: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Card:
+    """A transform as its page shows it.
+
+    ``definitions`` of its pieces stand once on the page; ``player`` is None unless a motion is planned; ``panels`` are
+    the pictures of P, then those of Q; ``chain`` is laid straight.
     """
 
     row: TransformRow
     definitions: Markup
+    player: Player | None
     panels: tuple[CardPicture, ...]
-    moves: tuple[CardPicture, ...]
+    chain: CardPicture
 
 
 def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGES) -> Card:
@@ -74,17 +86,15 @@ def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGE
     ]
     # Pieces of an approximate transform overlap already when it is closed: no way to swing them is free.
     motion = None if row.approximate else motion_of(transform)
-    moves = []
+    player = None
     if motion is not None:
         swing = swing_of(transform, prefix, images)
-        moves.append(
-            CardPicture(Markup(fragment(swing.scene, prefix, swing.body, "swing")), f"the chain {motion.words}")
-        )
+        player = Player(Markup(fragment(swing.scene, prefix, swing.body, "swing")), loop_times(transform))
     chain = chain_marks(sketched, 0 if motion is None else motion.open_hinge)
     title = f"The chain of {len(sketched)} pieces laid straight: {row.name_p} below, {row.name_q} above"
     box = around([extent(chain, pieces)], MARGIN)
-    moves.append(CardPicture(drawn(title, box, CHAIN_PENS, chain, "chain"), "the chain, straight"))
-    return Card(row, Markup(definitions(pieces, prefix, images)), tuple(panels), tuple(moves))
+    straight = CardPicture(drawn(title, box, CHAIN_PENS, chain, "chain"), "the chain, straight")
+    return Card(row, Markup(definitions(pieces, prefix, images)), player, tuple(panels), straight)
 
 
 def _frames(sketched: Transform, marks: dict[str, list[list[Mark]]]) -> dict[str, Box]:

@@ -35,6 +35,15 @@ def degrees(value: float | None) -> str:
     return f"{math.degrees(value):.1f}°" if value is not None and math.isfinite(value) else MISSING
 
 
+def percent(value: float | None) -> str:
+    """A share, given as a part of 1.
+
+    >>> percent(0.0123), percent(math.nan)
+    ('1.2\u202f%', '–')
+    """
+    return f"{100.0 * value:.1f}{THIN}%" if value is not None and math.isfinite(value) else MISSING
+
+
 def residual(value: float | None) -> str:
     """A residual by its order of magnitude, which is what matters.
 
@@ -77,6 +86,7 @@ def seconds(value: float | None) -> str:
 FILTERS: Mapping[str, Callable[..., str]] = {
     "number": number,
     "degrees": degrees,
+    "percent": percent,
     "residual": residual,
     "count": count,
     "seconds": seconds,

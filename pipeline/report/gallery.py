@@ -12,7 +12,7 @@ from pipeline.report.pictures import HEIGHT, WIDTH
 from pipeline.report.rows import TransformRow
 
 INDEX, STYLE = "index.html", "style.css"
-SCRIPTS = ("gallery.js", "wall.js")
+SCRIPTS = ("gallery.js", "player.js", "wall.js")
 REPORT = "../report.html"
 
 
@@ -29,7 +29,7 @@ ORDERS: Mapping[str, SortOrder] = {
     "rank": SortOrder("rank", lambda row: row.rank),
     "recognised": SortOrder("recognised (margin)", lambda row: row.margin, greatest_first=True),
     "iou": SortOrder("fidelity (IoU)", lambda row: row.iou, greatest_first=True),
-    "strain": SortOrder("least strain", lambda row: row.strain),
+    "strain": SortOrder("least strain", lambda row: row.rms_strain),
     "surprise": SortOrder("surprise", lambda row: row.surprise, greatest_first=True),
     "bound": SortOrder("bound of the IoU", lambda row: min(row.bound_p, row.bound_q), greatest_first=True),
     "change": SortOrder("change / least", lambda row: row.change_ratio),
@@ -87,7 +87,10 @@ def index(name: str, rows: Sequence[TransformRow], printed: frozenset[int] = fro
 
 def files() -> dict[str, str]:
     """The texts of the files that all pages of the gallery share, by name."""
-    return {STYLE: style_sheet("wall.css", "gallery.css"), **{name: read_asset(name) for name in SCRIPTS}}
+    return {
+        STYLE: style_sheet("wall.css", "gallery.css", "transform.css"),
+        **{name: read_asset(name) for name in SCRIPTS},
+    }
 
 
 def _item(row: TransformRow, classes: Mapping[str, int], printed: bool) -> GalleryItem:

@@ -65,10 +65,12 @@ class TransformRow:
     other_p: str
     other_q: str
     surprise: float
-    max_strain_p: float
-    max_strain_q: float
+    input_iou: float
+    rms_strain: float
     rms_strain_p: float
     rms_strain_q: float
+    max_strain_p: float
+    max_strain_q: float
     swings_flat: bool | None
     """None = not planned."""
 
@@ -106,13 +108,6 @@ class TransformRow:
     def preview(self) -> str:
         """File name of the picture that stands for its page where a link to it is shown."""
         return f"{self.stem}.png"
-
-    @property
-    def strain(self) -> float:
-        """Root of the mean square of the strain of the shape that bends more; nan if nothing bends."""
-        return max(
-            (value for value in (self.rms_strain_p, self.rms_strain_q) if math.isfinite(value)), default=math.nan
-        )
 
     @property
     def hausdorff(self) -> float:

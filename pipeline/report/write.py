@@ -10,7 +10,7 @@ from pipeline.report import gallery
 from pipeline.report.card import card
 from pipeline.report.page import Rejection, page
 from pipeline.report.pictures import preview, silhouettes, swing, thumb
-from pipeline.report.rows import TransformRow
+from pipeline.report.rows import PuzzleRow, TransformRow
 from pipeline.report.run import read_run
 from pipeline.report.transform_page import transform_page
 from pipeline.store.store import write_atomically
@@ -51,8 +51,9 @@ def write_report(run_dir: Path) -> Path:
     for before, now, after in _between(_readable(run_dir, run.constructed, lost)):
         row = now.row
         neighbours = [None if neighbour is None else neighbour.row for neighbour in (before, after)]
+        puzzle = puzzles.get(row.rank)
         shown = card(row, now.transform, now.images)
-        _write(temporary / row.page, transform_page(shown, now.transform, puzzles.get(row.rank), *neighbours))
+        _write(temporary / row.page, transform_page(shown, now.transform, puzzle, _files(run_dir, puzzle), *neighbours))
         _write(temporary / row.thumb, thumb(now.transform, now.images))
         if row.swing:
             _write(temporary / row.swing, swing(now.transform, now.images))
@@ -81,6 +82,14 @@ def _readable(run_dir: Path, rows: Iterable[TransformRow], lost: list[Rejection]
             lost.append(Rejection(row, "unreadable", str(error)))
         else:
             yield _Drawn(row, transform, read_textures(run_dir, row.file, len(transform)))
+
+
+def _files(run_dir: Path, puzzle: PuzzleRow | None) -> list[str]:
+    """Names of the files of a puzzle, in order, relative to its folder."""
+    if puzzle is None or not puzzle.folder:
+        return []
+    folder = run_dir / puzzle.folder
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
 def _between(drawn: Iterable[_Drawn]) -> Iterator[tuple[_Drawn | None, _Drawn, _Drawn | None]]:

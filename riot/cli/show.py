@@ -1,4 +1,4 @@
-"""The command `riot show FILE.riot`: the numbers of a transform, its certificate and its motion. Ours."""
+"""The command `riot show FILE.riot`: the numbers of a transform, its certificate and its motion; a film. Ours."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import riot.transform  # lazy: what finds centre lines takes half a second to import
+from riot import draw  # lazy: most calls film nothing
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.table import Table
@@ -60,12 +61,21 @@ def add_options(parser: Parser) -> None:
     parser.add_argument(
         "--history", action="store_true", help="print pictures, parameters, code and libraries that made it instead"
     )
+    parser.add_argument(
+        "-o",
+        "--film",
+        type=Path,
+        metavar="FILM",
+        help="film the motion too, as an animated GIF (.gif) or, with the extra 'film', as .mp4",
+    )
     parser.shared.description = "With --verbose or --json the numbers include those of centre lines."
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     transform = load(chosen.file)
+    if chosen.film is not None:
+        draw.film.write_film(transform, chosen.film)
     if not chosen.history:
         facts = transform_facts(transform, centre_lines=output.verbose or output.json)
         output.facts(facts, *transform_lines(transform, facts))

@@ -48,6 +48,7 @@ def run(tmp_path_factory):
     refused = names | {"rank": 2, "status": "refused", "folder": "", "message": "the neck of piece 2 is <thin>"}
     fake_run.write_fake_run(folder, exact=transforms, fabrications=[puzzle, refused])
     (folder / "print" / "0001").mkdir(parents=True)
+    (folder / "print" / "0001" / "plate.3mf").write_bytes(b"solid")
     write_contents(folder)
     write_report(folder)
     return folder
@@ -132,10 +133,14 @@ def test_a_page_tells_all_of_its_transform(run):
     rels = [[attrs.get("rel") for attrs in page.all("a") if "rel" in attrs] for page in (first, second, last)]
     assert rels == [["up", "next"], ["prev", "up", "next"], ["prev", "up"]]
     assert sum("picture P: sha256 " + "ab" * 32 in text for text in texts) == 1
-    assert {"href": "../print/0001/"} in first.all("a") and "the neck of piece 2 is <thin>" in "".join(second.text)
+    assert {"href": "../print/0001/plate.3mf", "download": None} in first.all("a")
+    assert "the neck of piece 2 is <thin>" in "".join(second.text)
     for row, text in zip(rows, texts, strict=True):
         shown = "".join(Page(text).text)
         assert f"{row.crs:.3f}" in shown and "open hinge" in shown and {"href": f"../{row.file}"} in Page(text).all("a")
+        about = {attrs.get("property", attrs.get("name")): attrs["content"] for attrs in Page(text).all("meta")[1:]}
+        assert about["og:image"] == row.preview and f"the same {row.n} hinged pieces" in about["description"]
+        assert f"riot show {row.file} -o" in shown
         assert text.count("<animateTransform") >= 2 * row.n
 
 
@@ -224,7 +229,7 @@ def test_a_gallery_sorts_by_what_the_run_has(rows):
         return [attrs["value"] for attrs in Page(index("some", rows)).all("option") if "data-sign" in attrs]
 
     assert not {"surprise", "strain", "recognised"} & set(offered(rows))
-    rich = [replace(row, surprise=0.5, margin=0.25, rms_strain_p=0.01) for row in rows]
+    rich = [replace(row, surprise=0.5, margin=0.25, rms_strain=0.01) for row in rows]
     assert offered(rich)[:5] == ["rank", "recognised", "iou", "strain", "surprise"]
 
 
@@ -353,4 +358,63 @@ def test_without_script_there_is_a_list_and_no_form(browser, many):
     page.goto((many / INDEX).as_uri(), wait_until=READY)
     assert page.locator(".wall li:visible").count() == MANY
     assert not page.locator(".controls").is_visible()
+    page.close()
+
+
+@pytest.fixture
+def transform_tab(browser, run):
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page.set_default_timeout(0)
+    wrong = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda message: wrong.append(message.text))
+    page.goto((run / GALLERY / read_run(run).constructed[0].page).as_uri(), wait_until="load")
+    yield page
+    page.close()
+    assert not wrong
+
+
+def way(tab):
+    return float(tab.input_value(".bar input"))
+
+
+@pytest.mark.system
+def test_a_swing_plays_slides_and_is_dragged(transform_tab):
+    tab, button = transform_tab, transform_tab.locator(".bar button")
+    assert button.inner_text() == "Pause"
+    button.click()
+    assert button.inner_text() == "Play"
+    piece = tab.locator(".r-move > g use").last
+
+    def slide(to):
+        tab.eval_on_selector(
+            ".bar input", "(bar, to) => { bar.value = to; bar.dispatchEvent(new Event('input')); }", to
+        )
+        return piece.bounding_box()
+
+    ends = slide(0), slide(1)
+    assert max(abs(ends[0][name] - ends[1][name]) for name in ("x", "y")) > 10
+    after = slide(0.6)
+    slide(0.4)
+    x, y = (after[name] + after[size] / 2 for name, size in (("x", "width"), ("y", "height")))
+    box = piece.bounding_box()
+    tab.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    tab.mouse.down()
+    tab.mouse.move(x, y, steps=20)
+    tab.mouse.up()
+    assert 0.5 < way(tab) < 0.7  # where the slider had led it
+
+
+@pytest.mark.system
+def test_pages_are_calm_for_those_who_ask_for_it(browser, run):
+    page = browser.new_page(reduced_motion="reduce")
+    page.set_default_timeout(0)
+    page.goto((run / "report.html").as_uri(), wait_until="load")
+    sources = page.eval_on_selector_all(".first img", "all => all.map(one => one.currentSrc)")
+    assert len(sources) == 4 and not [source for source in sources if ".swing." in source]
+    assert page.inner_text(".pause") == "Play"
+    page.click(".pause")
+    page.wait_for_function(
+        "[...document.querySelectorAll('.first img')].every(one => one.currentSrc.includes('.swing.'))"
+    )
     page.close()

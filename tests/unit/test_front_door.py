@@ -207,6 +207,14 @@ def test_the_commands_of_two_shapes_hand_json_from_one_to_the_next(
     assert all(Path(file).is_file() for file in printed["files"])
 
 
+def test_show_films_the_motion(transform: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    film = transform.with_suffix(".gif")
+    assert ended(capsys, "show", str(transform), "-o", str(film)) == ended(capsys, "show", str(transform))
+    assert film.read_bytes()[:6] == b"GIF89a"
+    code, out, err = ended(capsys, "show", str(transform), "-o", "film.txt")
+    assert (code, out) == (2, "") and "ends in .gif or .mp4" in err
+
+
 def test_verbose_tells_where_an_error_comes_from(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     absent = str(tmp_path / "absent.riot")
     assert "Traceback" not in ended(capsys, "show", absent)[2]
