@@ -84,7 +84,8 @@ def silhouettes(transform: Transform) -> tuple[Markup, Markup]:
 def silhouette(shape: Shape) -> Markup:
     """A shape as an SVG element in the colour of the text around it.
 
-    >>> silhouette(house).count("<path")
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> silhouette(exact_transform(dudeney()).q).count("<path")
     1
     """
     points = shape.points[simplify(shape.points, TOLERANCE)]
