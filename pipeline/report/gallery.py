@@ -12,7 +12,7 @@ from pipeline.report.pictures import HEIGHT, WIDTH
 from pipeline.report.rows import TransformRow
 
 INDEX, STYLE = "index.html", "style.css"
-SCRIPTS = ("gallery.js", "player.js", "wall.js")
+SCRIPTS = ("gallery.js", "matrix.js", "player.js", "wall.js")
 REPORT = "../report.html"
 
 
@@ -49,7 +49,7 @@ ORDERS: Mapping[str, SortOrder] = {
 class GalleryItem:
     """A transform of the list, and what the script reads: values by `ORDERS`, numbers of classes, and marks.
 
-    Marks are one letter each: f = swings flat, l = lifts, a = approximate, p = has a puzzle.
+    Marks are one letter each: f = swings flat, l = lifts, a = approximate, c = chosen, p = has a puzzle.
     """
 
     row: TransformRow
@@ -68,8 +68,11 @@ class Filters:
     boxes: Sequence[tuple[str, str, str]]
 
 
-def index(name: str, rows: Sequence[TransformRow], printed: frozenset[int] = frozenset()) -> str:
-    """The page of all transforms; ``name`` is the collection's, ``printed`` are ranks that have a puzzle."""
+def index(name: str, rows: Sequence[TransformRow], printed: frozenset[int] = frozenset(), classes: str = "") -> str:
+    """The page of all transforms; ``name`` is the collection's, ``printed`` are ranks that have a puzzle.
+
+    ``classes`` is the address of the page of classes, if there is one.
+    """
     filters = _filters(rows, bool(printed))
     numbers = {kind: k for k, kind in enumerate(filters.classes)}
     return render(
@@ -80,6 +83,7 @@ def index(name: str, rows: Sequence[TransformRow], printed: frozenset[int] = fro
         orders={name: order for name, order in ORDERS.items() if any(math.isfinite(order.value(row)) for row in rows)},
         names=list(ORDERS),
         report=REPORT,
+        classes_page=classes,
         style=STYLE,
         size=(WIDTH, HEIGHT),
     )
@@ -88,13 +92,23 @@ def index(name: str, rows: Sequence[TransformRow], printed: frozenset[int] = fro
 def files() -> dict[str, str]:
     """The texts of the files that all pages of the gallery share, by name."""
     return {
-        STYLE: style_sheet("wall.css", "gallery.css", "transform.css"),
+        STYLE: style_sheet("wall.css", "classes.css", "gallery.css", "transform.css"),
         **{name: read_asset(name) for name in SCRIPTS},
     }
 
 
+def listed_classes(rows: Sequence[TransformRow]) -> list[str]:
+    """The classes of the shapes of ``rows``, in order: the form and its addresses name them by their numbers."""
+    return sorted({kind for row in rows for kind in row.classes})
+
+
 def _item(row: TransformRow, classes: Mapping[str, int], printed: bool) -> GalleryItem:
-    marks = {None: "", True: "f", False: "l"}[row.swings_flat] + "a" * row.approximate + "p" * printed
+    marks = (
+        {None: "", True: "f", False: "l"}[row.swings_flat]
+        + "a" * row.approximate
+        + "c" * bool(row.chosen)
+        + "p" * printed
+    )
     values = " ".join(_value(order.value(row)) for order in ORDERS.values())
     return GalleryItem(row, values, " ".join(str(classes[kind]) for kind in row.classes), marks)
 
@@ -104,10 +118,11 @@ def _filters(rows: Sequence[TransformRow], printed: bool) -> Filters:
     boxes = (
         ("flat", "f", "swings flat", any(row.swings_flat is not None for row in rows)),
         ("exact", "!a", "exact", any(row.approximate for row in rows)),
+        ("chosen", "c", "chosen", len({row.chosen for row in rows}) > 1),
         ("puzzle", "p", "has a puzzle", printed),
     )
     return Filters(
-        sorted({kind for row in rows for kind in row.classes}),
+        listed_classes(rows),
         sorted({row.n for row in rows}),
         math.floor(100 * least) / 100,
         [box[:3] for box in boxes if box[3]],

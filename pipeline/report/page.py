@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pipeline.report.classes import CLASSES, LEAST
 from pipeline.report.environment import render
 from pipeline.report.first import first_transforms
 from pipeline.report.formats import MISSING
@@ -123,6 +124,7 @@ def page(
         base=f"{GALLERY}/",
         size=(WIDTH, HEIGHT),
         gallery=f"{GALLERY}/{INDEX}",
+        classes=f"{GALLERY}/{CLASSES}" if len(run.classes) >= LEAST else "",
         studies=f"{STUDY}/index.html",
     )
 

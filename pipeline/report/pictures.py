@@ -19,8 +19,8 @@ from riot.draw.svg import CLOSING, UNITS, definitions, fragment, naming, painted
 from riot.draw.svg_style import page_colours, page_style
 from riot.errors import needs_extra
 from riot.geometry.polyline import simplify
-from riot.geometry.shape import Shape
 from riot.transform.transform import Transform
+from riot.types import FloatArray
 
 with needs_extra("mine"):
     from markupsafe import Markup
@@ -78,17 +78,18 @@ def silhouettes(transform: Transform) -> tuple[Markup, Markup]:
     Markup('<svg')
     """
     p, q = transform.bend_p, transform.bend_q
-    return silhouette(transform.p if p is None else p.shape), silhouette(transform.q if q is None else q.shape)
+    shapes = transform.p if p is None else p.shape, transform.q if q is None else q.shape
+    return silhouette(shapes[0].points), silhouette(shapes[1].points)
 
 
-def silhouette(shape: Shape) -> Markup:
-    """A shape as an SVG element in the colour of the text around it.
+def silhouette(outline: FloatArray) -> Markup:
+    """An outline, (m, 2), as an SVG element in the colour of the text around it.
 
     >>> from riot.groundtruth.pairs import dudeney, exact_transform
-    >>> silhouette(exact_transform(dudeney()).q).count("<path")
+    >>> silhouette(exact_transform(dudeney()).q.points).count("<path")
     1
     """
-    points = shape.points[simplify(shape.points, TOLERANCE)]
+    points = outline[simplify(outline, TOLERANCE)]
     (x0, y0), (x1, y1) = np.floor(points.min(axis=0) * UNITS), np.ceil(points.max(axis=0) * UNITS)
     view = f"{x0:.0f} {-y1:.0f} {x1 - x0:.0f} {y1 - y0:.0f}"
     return Markup(f'<svg class="silhouette" viewBox="{view}" aria-hidden="true"><path d="{path_data(points)}"/></svg>')

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import shapely
 
 from pipeline.report.comparison import Comparison, read_comparison
 from pipeline.report.histogram import Distribution, distribution
@@ -29,7 +31,16 @@ class ReportError(RiotError, FileNotFoundError):
     """A folder that does not hold a finished run."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class ShapeClass:
+    """A class: its name, its first shape's outline, (m, 2), empty if not known, and its number of selected pairs."""
+
+    name: str
+    outline: FloatArray
+    selected: int
+
+
+@dataclass(frozen=True, eq=False)
 class ReportedRun:
     """What the report shows of a finished run."""
 
@@ -37,7 +48,8 @@ class ReportedRun:
     facts: Row
     """`run.json`."""
     shapes: int
-    classes: int
+    classes: tuple[ShapeClass, ...]
+    """In order of name, whatever its case; none if no shape has a class."""
     pairs: int
     pairs_without_trunks: int
     selected: int
@@ -106,7 +118,6 @@ def read_run(folder: Path) -> ReportedRun:
             "finish the run with `python -m pipeline.run`, then write the report again"
         )
     facts = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    shapes = pq.read_table(folder / "shapes.parquet", columns=["class"]).column("class").to_pylist()
     tables_read = {name: rows(folder, name) for name in ("transforms", "fabrications", "errors", "timings")}
     transforms = tuple(typed_row(TransformRow, row) for row in tables_read["transforms"])
     # Closing over the count keeps the pass over all pairs a single one.
@@ -123,8 +134,8 @@ def read_run(folder: Path) -> ReportedRun:
     return ReportedRun(
         folder=folder,
         facts=facts,
-        shapes=len(shapes),
-        classes=len({name for name in shapes if name}),
+        shapes=pq.read_metadata(folder / "shapes.parquet").num_rows,
+        classes=_classes(folder),
         pairs=qcrs.total,
         pairs_without_trunks=pairs_without_trunks[0],
         selected=pq.read_metadata(folder / "selected.parquet").num_rows,
@@ -149,6 +160,25 @@ _NEEDED = (
         for name in ("shapes", "reversibility", "selected", "crs", "transforms", "fabrications", "errors", "timings")
     ),
 )
+
+
+def _classes(folder: Path) -> tuple[ShapeClass, ...]:
+    table = pq.read_table(folder / "shapes.parquet", columns=["class", "outline"])
+    first: dict[str, int] = {}
+    for number, name in enumerate(table.column("class").to_pylist()):
+        first.setdefault(name or "", number)
+    first.pop("", None)
+    selected = pq.read_table(folder / "selected.parquet", columns=["class_i", "class_j"]).to_pylist()
+    pairs = Counter(name for pair in selected for name in set(pair.values()))
+    outline = table.column("outline")
+    return tuple(
+        ShapeClass(name, _points(outline[first[name]].as_py()), pairs[name])
+        for name in sorted(first, key=lambda name: (name.lower(), name))
+    )
+
+
+def _points(wkb: bytes | None) -> FloatArray:
+    return np.empty((0, 2)) if wkb is None else np.asarray(shapely.from_wkb(wkb).exterior.coords[:-1])
 
 
 def _search(folder: Path) -> PartnerSearch | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from pipeline.report import gallery
 from pipeline.report.card import card
+from pipeline.report.classes import CLASSES, LEAST, classes_page
 from pipeline.report.page import Rejection, page
 from pipeline.report.pictures import preview, silhouettes, swing, thumb
 from pipeline.report.rows import PuzzleRow, TransformRow
@@ -61,7 +62,10 @@ def write_report(run_dir: Path) -> Path:
         rows.append(row)
         inputs[row.rank] = silhouettes(now.transform)
     printed = frozenset(rank for rank, puzzle in puzzles.items() if puzzle.folder)
-    _write(temporary / gallery.INDEX, gallery.index(run.name, rows, printed))
+    classes = CLASSES if len(run.classes) >= LEAST else ""
+    _write(temporary / gallery.INDEX, gallery.index(run.name, rows, printed, classes))
+    if classes:
+        _write(temporary / classes, classes_page(run, rows))
     for name, text in gallery.files().items():
         _write(temporary / name, text)
     replace_folder(temporary, run_dir / GALLERY)

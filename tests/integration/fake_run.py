@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 
 from pipeline.tables import schemas as tables
 from riot.geometry.polyline import signed_area
+from riot.geometry.wkb import outline_wkb
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.certificate import certify
 from riot.transform.deformation import measure_deformation
@@ -72,7 +73,11 @@ def write_fake_run(folder, exact=None, rejected=2, errors=3, shapes=40, approxim
     names = ["name_i", "name_j", "class_i", "class_j", "qcrs", "i", "j", "rank"]
     write(folder / "qcrs" / "i_block=0000" / "part-0.parquet", tables.SCHEMAS["qcrs"], blocks[:300])
     write(folder / "qcrs" / "i_block=0001" / "part-0.parquet", tables.SCHEMAS["qcrs"], blocks[300:])
-    shape_rows = [{"shape": k, "name": f"s{k}", "class": f"c{k % 5}" if k else ""} for k in range(shapes)]
+    wkb = outline_wkb(exact_pair(3, 1).p)
+    kinds = ("animal", "c0", "c1", "thing <2>", "Zoo")
+    shape_rows = [
+        {"shape": k, "name": f"s{k}", "class": kinds[k % 5] if k else "", "outline": wkb} for k in range(shapes)
+    ]
     write_table(folder, "shapes", shape_rows)
     write_table(folder, "reversibility", [{"shape": k, "score": rng.beta(6, 2)} for k in range(shapes)])
     write_table(folder, "trunks", [])

@@ -14,6 +14,7 @@ from html_page import Page
 from PIL import Image
 
 from pipeline.report import gallery, write_report
+from pipeline.report.classes import CLASSES, classes_page
 from pipeline.report.first import FIRST, first_transforms
 from pipeline.report.gallery import INDEX, ORDERS, SCRIPTS, STYLE, index
 from pipeline.report.page import SHOWN_TRANSFORMS
@@ -93,7 +94,7 @@ def many(rows, run, tmp_path_factory):
 
 def test_every_link_and_picture_is_there(run):
     pages = sorted((run / GALLERY).glob("*.html"))
-    assert len(pages) == 1 + len(read_run(run).constructed)
+    assert len(pages) == 2 + len(read_run(run).constructed)
     for page in [*pages, run / "report.html"]:
         parsed = Page(page.read_text(encoding="utf-8"))
         assert not parsed.stack
@@ -103,8 +104,9 @@ def test_every_link_and_picture_is_there(run):
             assert not any(name.startswith("on") for name in attrs)
             for name in {"href", "src", "srcset"} & set(attrs):
                 address = attrs[name]
-                if address.startswith("#"):
-                    assert address[1:] in ids
+                address, _, place = address.partition("#")
+                if not address:
+                    assert place in ids
                 elif not address.startswith("data:image/"):
                     assert (
                         tag in {"a", "link", "img", "script", "source"} and (page.parent / address).resolve().exists()
@@ -162,7 +164,7 @@ def test_an_older_gallery_is_replaced_and_lost_transforms_are_not_in_it(run, tmp
     names = {file.name for file in (folder / GALLERY).iterdir()}
     kept = [row for row in rows if row.rank != 2]
     pictures = [name for row in kept for name in (row.page, row.thumb, row.swing, row.preview)]
-    assert names == {INDEX, STYLE, *SCRIPTS, *pictures}
+    assert names == {INDEX, CLASSES, STYLE, *SCRIPTS, *pictures}
     page = Page((folder / GALLERY / rows[0].page).read_text(encoding="utf-8"))
     assert [link["href"] for link in page.all("a") if link.get("rel") == "next"] == [rows[2].page]
 
@@ -231,6 +233,46 @@ def test_a_gallery_sorts_by_what_the_run_has(rows):
     assert not {"surprise", "strain", "recognised"} & set(offered(rows))
     rich = [replace(row, surprise=0.5, margin=0.25, rms_strain=0.01) for row in rows]
     assert offered(rich)[:5] == ["rank", "recognised", "iou", "strain", "surprise"]
+
+
+def test_every_class_has_a_place_and_the_best_is_in_it(run, rows):
+    reported = read_run(run)
+    page = Page((run / GALLERY / CLASSES).read_text(encoding="utf-8"))
+    assert [kind.name for kind in reported.classes] == ["animal", "c0", "c1", "thing <2>", "Zoo"]
+    places = [attrs.get("class") for tag, attrs, stack in page.elements if tag == "li" and stack[-1] == "ol"]
+    assert places == [None, "none", "none", None, "none"]  # "animal" and "thing <2>" have transforms
+    shown = "".join(page.text)
+    assert "2 of 5 classes have a transform" in shown and "None of its pairs was selected" in shown
+    assert [attrs["src"] for attrs in page.all("img")] == [reported.constructed[0].thumb, reported.constructed[1].thumb]
+
+
+def test_the_matrix_leads_to_the_best_of_every_two_classes(run, rows):
+    reported = read_run(run)
+    kind = reported.classes[0]
+    kinds = tuple(
+        replace(kind, name=f"{word} {k}") for word, count in (("class &", 7), ("kind", 3)) for k in range(count)
+    )
+    page = Page(classes_page(replace(reported, classes=kinds), rows))
+    best = {}
+    for row in rows:
+        pair = frozenset(row.classes)
+        best[pair] = max(best.get(pair, row), row, key=lambda row: row.iou)
+    cells = [attrs for tag, attrs, stack in page.elements if tag == "a" and stack[-1] == "td"]
+    assert sorted(attrs["href"] for attrs in cells) == sorted(2 * [row.page for row in best.values()])
+    assert all(attrs["aria-label"] and attrs["class"].startswith("tone") for attrs in cells)
+    widths = [int(attrs.get("colspan", 1)) for tag, attrs, stack in page.elements if tag == "td" and "tbody" in stack]
+    assert sum(widths) == len(kinds) ** 2
+    used = {attrs["class"] for attrs in cells}
+    assert used <= {attrs["class"] for attrs in page.all("i") if "class" in attrs}  # the legend tells what they mean
+
+
+def test_a_run_without_classes_has_no_page_of_classes(run, tmp_path):
+    folder = tmp_path / "run"
+    shutil.copytree(run, folder)
+    fake_run.write_table(folder, "shapes", [{"shape": k, "name": f"s{k}", "class": ""} for k in range(40)])
+    text = write_report(folder).read_text(encoding="utf-8")
+    assert not (folder / GALLERY / CLASSES).exists() and CLASSES not in text
+    assert CLASSES not in (folder / GALLERY / INDEX).read_text(encoding="utf-8")
 
 
 def test_an_empty_gallery_says_so():
@@ -418,3 +460,23 @@ def test_pages_are_calm_for_those_who_ask_for_it(browser, run):
         "[...document.querySelectorAll('.first img')].every(one => one.currentSrc.includes('.swing.'))"
     )
     page.close()
+
+
+@pytest.mark.system
+def test_arrows_lead_through_the_matrix_and_no_page_complains(browser, run):
+    page = browser.new_page(viewport={"width": 390, "height": 844})
+    page.set_default_timeout(0)
+    wrong = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda message: wrong.append(message.text))
+    for path in (run / "report.html", run / GALLERY / INDEX, run / GALLERY / CLASSES):
+        page.goto(path.as_uri(), wait_until="load")
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), path
+    cells = page.locator(".matrix td a")
+    assert cells.count() == 2 and page.locator(".matrix td a[tabindex='0']").count() == 1
+    cells.first.focus()
+    assert cells.first.get_attribute("aria-label") == page.inner_text(".peek")
+    page.keyboard.press("ArrowRight")  # there is none
+    assert page.evaluate("document.activeElement.ariaLabel") == cells.first.get_attribute("aria-label")
+    page.close()
+    assert not wrong
