@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pipeline.report.card import Card
 from pipeline.report.environment import render
 from pipeline.report.gallery import INDEX, STYLE
-from pipeline.report.pictures import PREVIEW, silhouettes
+from pipeline.report.pictures import silhouettes
 from pipeline.report.rows import PuzzleRow, TransformRow
 from riot.motion.planner import motion_of
 from riot.transform.provenance import describe_history
@@ -34,7 +34,6 @@ def transform_page(
         puzzle=puzzle,
         files=files,
         silhouettes=silhouettes(transform),
-        size=PREVIEW,
         history=None if transform.history is None else "\n".join(describe_history(transform.history)),
         before=before,
         after=after,
