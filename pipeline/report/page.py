@@ -100,8 +100,11 @@ class ReportPage:
 
     @property
     def settings(self) -> dict[str, list[tuple[str, str]]]:
-        """What `run.json` says: a group for each of its mappings, one for its plain values; lists are tables'."""
-        facts = self.run.facts
+        """What `run.json` says: a group for each of its mappings, one for its plain values.
+
+        Lists are those of tables, and the digests of the run's files, as many as there are pictures, stay there.
+        """
+        facts = {name: value for name, value in self.run.facts.items() if name != "files"}
         plain = {name: value for name, value in facts.items() if not isinstance(value, Mapping | list)}
         groups = {name: value for name, value in facts.items() if isinstance(value, Mapping)}
         return {name: list(_leaves(values)) for name, values in (({"run": plain} if plain else {}) | groups).items()}

@@ -188,6 +188,9 @@ def test_names_of_shapes_are_text(run, parsed):
 def test_a_long_report_is_a_small_page(tmp_path):
     exact = [fake_run.transforms(1)[0]] * 120
     fake_run.write_fake_run(tmp_path, exact=exact, rejected=300, errors=300)
+    facts = json.loads((tmp_path / "run.json").read_text())
+    facts["files"] = {f"transforms/{k:04d}.riot": "ab" * 32 for k in range(2000)}
+    (tmp_path / "run.json").write_text(json.dumps(facts))
     text = write_report(tmp_path).read_text(encoding="utf-8")
     page = Page(text)
     assert len(page.elements) < 5000 and len(text) < 400_000
