@@ -448,6 +448,25 @@ def test_a_swing_plays_slides_and_is_dragged(transform_tab):
 
 
 @pytest.mark.system
+def test_a_picture_swings_while_the_pointer_or_the_focus_is_on_it(browser, run):
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page.set_default_timeout(0)
+    page.goto((run / GALLERY / INDEX).as_uri(), wait_until="load")
+    still, swinging = (read_run(run).constructed[0].thumb, read_run(run).constructed[0].swing)
+    picture, shown = page.locator(".wall img").first, lambda: picture.get_attribute("src")
+    assert shown() == still
+    page.locator(".wall a").first.hover()
+    assert shown() == swinging
+    page.mouse.move(1, 1)
+    assert shown() == still
+    page.locator(".wall a").first.focus()
+    assert shown() == swinging
+    page.locator(".wall a").nth(1).focus()
+    assert shown() == still
+    page.close()
+
+
+@pytest.mark.system
 def test_pages_are_calm_for_those_who_ask_for_it(browser, run):
     page = browser.new_page(reduced_motion="reduce")
     page.set_default_timeout(0)
