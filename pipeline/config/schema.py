@@ -16,6 +16,7 @@ from pipeline.store.location import Location, Url
 from riot.errors import ParameterError
 from riot.parameters import (
     QCRS_VARIANTS,
+    BendParameters,
     ConstructParameters,
     ConvexityParameters,
     CrsParameters,
@@ -211,6 +212,7 @@ class Config(ParameterGroup):
     qcrs: QcrsConfig = field(default_factory=QcrsConfig)
     crs: CrsParameters = field(default_factory=CrsParameters)
     refine: RefineParameters = field(default_factory=RefineParameters)
+    bend: BendParameters = field(default_factory=BendParameters)
     construct: ConstructParameters = field(default_factory=ConstructParameters)
     motion: MotionParameters = field(default_factory=MotionParameters)
     fabricate: FabricateConfig = field(default_factory=FabricateConfig)

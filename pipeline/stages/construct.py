@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages.bend import unpack_bent
 from pipeline.stages.refine import unpack_plans
 from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
 from pipeline.stages.shortlist import shortlisted
@@ -15,6 +16,7 @@ from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
 from riot import construction, geometry, transform
 from riot.errors import ConstructionError, TrunkError
+from riot.parameters import BendParameters
 
 if TYPE_CHECKING:
     from riot.transform.deformation import Deformation
@@ -27,10 +29,12 @@ Spec = tuple[tuple[int, str], tuple[int, str]]
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Artifact:
     """Batches of P and Q, the pair's CRS and refined trunks → a document: status, reason, ``.riot`` text, numbers.
 
-    A transform by the paper's method is ``approximate``: its certificate fails, but it has a text and numbers.
+    Both shapes' modes and the pair's bent plans may follow: these are tried first. A transform by the paper's method
+    is ``approximate``: its certificate fails, but it has a text and numbers.
     """
-    batch_p, batch_q, cross, refined = inputs
-    settings, reach = parameters
+    batch_p, batch_q, cross, refined, *bending = inputs
+    settings, reach, judged, limbs = parameters
+    bend = BendParameters(judged=judged, limbs=limbs)
     (index_p, name_p), (index_q, name_q) = spec
     p, q = expect_shape(batch_p, index_p, name_p), expect_shape(batch_q, index_q, name_q)
     plans, unplanned = unpack_plans(refined, cross, p, q, reach)
@@ -40,7 +44,13 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec) -> Ar
 
     def construct() -> Artifact:
         try:
-            return _measured(construction.plan_transform.construct_plans(plans, unplanned, settings), settings.method)
+            if bending:
+                modes_p, modes_q, bent = bending
+                best = unpack_bent(modes_p, modes_q, bent, p, q, reach)
+                made = construction.bent_choice.construct_bent(best, plans, unplanned, bend, settings)
+            else:
+                made = construction.plan_transform.construct_plans(plans, unplanned, settings)
+            return _measured(made, settings.method)
         except ConstructionError as error:
             return _rejected(error.reason, str(error))
         except TrunkError as error:
@@ -97,7 +107,10 @@ def _fidelity(result: Transform, deformation: Deformation) -> dict[str, float | 
     }
 
 
-DEFORMATION = ("iou_p", "iou_q", "hausdorff_p", "hausdorff_q", "mean_distance_p", "mean_distance_q")
+DEFORMATION = (
+    *("iou_p", "iou_q", "hausdorff_p", "hausdorff_q", "mean_distance_p", "mean_distance_q"),
+    *("input_iou_p", "input_iou_q", "rms_strain_p", "rms_strain_q", "max_strain_p", "max_strain_q"),
+)
 CENTRE_LINES = (
     "cldice",
     "centreline_precision_p",
@@ -116,14 +129,17 @@ def _rejected(reason: str, message: str) -> Artifact:
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for each pair of the shortlist, the most promising first."""
     recipe, refined = progress.recipes["construct"], progress.finished("refine")
+    bent = {item.members: item for item in progress.finished("bend")}
     work = []
     for position in shortlisted(progress):
         item = refined[position]
         p, q = item.members
         names = (progress.items[p].name, progress.items[q].name)
         spec = ((item.spec[0], names[0]), (item.spec[1], names[1]))
-        sources = [*item.sources, item.reference]
-        work.append(recipe.item(recipe.parts([item.key], names), sources, spec=spec, members=(p, q)))
+        keys, sources = [item.key], [*item.sources, item.reference]
+        if (bend := bent.get(item.members)) is not None:
+            keys, sources = [*keys, bend.key], [*bend.sources, bend.reference]
+        work.append(recipe.item(recipe.parts(keys, names), sources, spec=spec, members=(p, q)))
     return work
 
 
@@ -155,6 +171,8 @@ def _row(artifact: Artifact) -> Mapping[str, Any]:
     row = {name: value for name, value in artifact.document.items() if name != "riot"}
     if "iou_p" in row:
         row["iou"] = min(row["iou_p"], row["iou_q"])
+        row["input_iou"] = min(row["input_iou_p"], row["input_iou_q"])
+        row["rms_strain"] = max(row["rms_strain_p"], row["rms_strain_q"])
     return row
 
 
@@ -163,8 +181,8 @@ RATIO, OF_L_C, ANGLE, AREA = "1", "L_c = 2*sqrt(pi)", "rad", "unit-area frame"
 STAGE = Stage(
     name="construct",
     unit="pairs",
-    after=("shortlist",),
-    parameters=("construct", "refine.reach"),
+    after=("shortlist", "bend"),
+    parameters=("construct", "refine.reach", "bend.judged", "bend.limbs"),
     items=items,
     run=run,
     scope="pair",
@@ -184,9 +202,17 @@ STAGE = Stage(
             "transforms",
             (
                 Column("n", "int8", "pieces", "count"),
-                Column("iou", "float64", "intersection over union with the input, of the worse shape", RATIO),
-                Column("iou_p", "float64", "of P with its input", RATIO),
-                Column("iou_q", "float64", "of Q with its input", RATIO),
+                Column("iou", "float64", "intersection over union with what is cut, of the worse shape", RATIO),
+                Column("iou_p", "float64", "of P with its input, or with what that was bent to", RATIO),
+                Column("iou_q", "float64", "of Q with its input, or with what that was bent to", RATIO),
+                Column("input_iou", "float64", "with the input before it was bent, of the worse shape", RATIO),
+                Column("input_iou_p", "float64", "of P with its input before it was bent", RATIO),
+                Column("input_iou_q", "float64", "of Q with its input before it was bent", RATIO),
+                Column("rms_strain", "float64", "root mean square of the strain of the more bent shape", RATIO),
+                Column("rms_strain_p", "float64", "of P", RATIO),
+                Column("rms_strain_q", "float64", "of Q", RATIO),
+                Column("max_strain_p", "float64", "greatest strain in P but for 0.2 % of its area", RATIO),
+                Column("max_strain_q", "float64", "greatest strain in Q but for 0.2 % of its area", RATIO),
                 Column("bound_p", "float64", "upper bound of iou_p for the trunks used", RATIO),
                 Column("bound_q", "float64", "upper bound of iou_q for the trunks used", RATIO),
                 Column(

@@ -25,8 +25,8 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     """Batches of P and Q and the pair's CRS → refined plans, highest bound first (see `unpack_plans`).
 
     ``bounds`` (k, 2) of P and of Q; ``which`` (k,) numbers the trunk pair among the scores; ``trunks`` (s, 4) corners
-    of T and T̄, those of plan i from ``offsets[i]`` on. Leading plans that lose contact are left out, so that the first
-    bound can be reached. The document lists the reasons why other trunk pairs have no plan.
+    of T and T̄, those of plan i from ``offsets[i]`` on. Plans before ``first`` lose contact as they are; the bound of
+    that one can be reached. The document lists the reasons why those, and other trunk pairs, are no plan.
     """
     batch_p, batch_q, cross = inputs
     settings, spacing, allowed = parameters
@@ -36,10 +36,8 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     errors: list[ErrorRow] = []
     plans, unplanned = attempt(0, lambda: choose.plan_pairs(pairs, settings), errors) or ([], [])
 
-    def refined() -> tuple[list[ConstructionPlan], list[ConstructionError]]:
-        return choose.drop_without_contact(choose.refine_best(plans, settings), spacing, allowed)
-
-    best, failed = attempt(0, refined, errors) or ([], [])
+    best = attempt(0, lambda: choose.refine_best(plans, settings), errors) or []
+    kept, failed = attempt(0, lambda: choose.drop_without_contact(best, spacing, allowed), errors) or ([], [])
     return Artifact(
         {
             "bounds": np.array([[plan.bound_p, plan.bound_q] for plan in best]).reshape(-1, 2),
@@ -47,7 +45,11 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
             "offsets": np.cumsum([0, *(plan.trunks.shape[1] for plan in best)], dtype=np.int64),
             "trunks": np.concatenate([np.empty((0, 4)), *(np.hstack(list(plan.trunks)) for plan in best)]),
         },
-        {"errors": errors, "reasons": [[error.reason, str(error)] for error in (*failed, *unplanned)]},
+        {
+            "first": len(best) - len(kept),
+            "errors": errors,
+            "reasons": [[error.reason, str(error)] for error in (*failed, *unplanned)],
+        },
     )
 
 
@@ -57,13 +59,16 @@ def _number(pair: TrunkPair, pairs: Sequence[TrunkPair]) -> int:
 
 def bound(artifact: Artifact) -> float:
     """The greatest IoU of the worse shape that any plan allows; 0 without a plan."""
-    return float(artifact.arrays["bounds"].min(axis=1).max(initial=0.0))
+    return float(artifact.arrays["bounds"][artifact.document["first"] :].min(axis=1).max(initial=0.0))
 
 
 def unpack_plans(
-    artifact: Artifact, cross: Artifact, p: Shape, q: Shape, reach: float
+    artifact: Artifact, cross: Artifact, p: Shape, q: Shape, reach: float, *, all_plans: bool = False
 ) -> tuple[list[ConstructionPlan], list[ConstructionError]]:
-    """The plans that `run` packed, and the errors of the trunk pairs without a plan."""
+    """The plans that `run` packed, and the errors of the trunk pairs without a plan.
+
+    With ``all_plans`` those are among them that lose contact as they are.
+    """
     pairs, arrays = construction.plan_search.trunk_pairs(p, q, unpack_scores(cross), reach), artifact.arrays
     plans = [
         construction.plan.ConstructionPlan(
@@ -76,7 +81,8 @@ def unpack_plans(
             strict=False,
         )
     ]
-    return plans, [ConstructionError(reason, message) for reason, message in artifact.document["reasons"]]
+    first = 0 if all_plans else artifact.document["first"]
+    return plans[first:], [ConstructionError(reason, message) for reason, message in artifact.document["reasons"]]
 
 
 def items(progress: Progress) -> list[WorkItem]:

@@ -19,7 +19,7 @@ from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_search import PieceCounts, alternatives
 from riot.construction.plan_transform import construct_plan
 from riot.construction.stiff import load_stiff
-from riot.construction.trunk_choice import construct, construct_bent
+from riot.construction.trunk_choice import construct, construct_from
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.animate import animate_svg
 from riot.draw.figure import draw_transform
@@ -171,7 +171,7 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
         if wishes.bend is None:
             transform = construct_plan(plan, parameters, pins)
         else:
-            transform = construct_bent([plan], [], parameters, pins=pins, bend=wishes.bend, stiff=stiff)
+            transform = construct_from([plan], [], parameters, pins=pins, bend=wishes.bend, stiff=stiff)
     if certify(transform).passed:
         transform = with_motion(transform)
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))

@@ -3,6 +3,7 @@ from . import bend_arcs as bend_arcs
 from . import bend_climb as bend_climb
 from . import bend_contact as bend_contact
 from . import bend_objective as bend_objective
+from . import bent_choice as bent_choice
 from . import bent_side as bent_side
 from . import conjugate as conjugate
 from . import contact as contact

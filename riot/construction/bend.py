@@ -95,8 +95,9 @@ def bend_plans(
     >>> len(bent)
     4
     """
+    sides = _sides(plans[0], modes_p, modes_q)
     tasks = [
-        _Task.of(plan, modes_p, modes_q, parameters, refinement or RefineParameters(), construction)
+        _Task.of(plan, sides, parameters, refinement or RefineParameters(), construction)
         for plan in _promising(plans, parameters.sketched, construction or ConstructParameters())
     ]
     tasks = sorted((task.sketched() for task in tasks), key=lambda task: -task.worth)
@@ -125,7 +126,8 @@ def bend_plan(
     >>> bent.p.max_strain <= 0.35
     True
     """
-    task = _Task.of(plan, modes_p, modes_q, parameters, refinement or RefineParameters(), construction)
+    sides = _sides(plan, modes_p, modes_q)
+    task = _Task.of(plan, sides, parameters, refinement or RefineParameters(), construction)
     return task.sketched().finished().bent()
 
 
@@ -145,15 +147,14 @@ class _Task:
     def of(
         cls,
         plan: ConstructionPlan,
-        modes_p: Modes,
-        modes_q: Modes,
+        sides: tuple[BentSide, BentSide],
         parameters: BendParameters,
         refinement: RefineParameters,
         construction: ConstructParameters | None,
     ) -> _Task:
-        p, _, q, _ = plan.pair.windowed_outlines
-        still = np.zeros(len(modes_p.vectors)), np.zeros(len(modes_q.vectors))
-        state = BendState((BentSide.unbent(modes_p, p), BentSide.unbent(modes_q, q)), plan.trunks, still)
+        p, q = sides
+        still = np.zeros(len(p.moves)), np.zeros(len(q.moves))
+        state = BendState(sides, plan.trunks, still)
         allowed = (construction or ConstructParameters()).max_lost_contact
         return cls(plan, state, still, plan.bound, parameters, refinement, allowed)
 
@@ -204,6 +205,11 @@ class _Task:
         return bent if share == 1.0 else replace(bent, plan=refine(bent.plan, self.refinement.steps, self.refinement))
 
 
+def _sides(plan: ConstructionPlan, modes_p: Modes, modes_q: Modes) -> tuple[BentSide, BentSide]:
+    pair = plan.pair
+    return BentSide.unbent(modes_p, pair.outline_p), BentSide.unbent(modes_q, pair.outline_q)
+
+
 def _promising(
     plans: Sequence[ConstructionPlan], count: int, construction: ConstructParameters
 ) -> list[ConstructionPlan]:
@@ -218,6 +224,23 @@ def _promising(
     return chosen
 
 
+def bent_pair(pair: TrunkPair, p: Bend, q: Bend) -> TrunkPair:
+    """The trunk pair of inputs with which the bends of both go along (ours).
+
+    >>> from riot.construction import alternatives
+    >>> from riot.geometry.bend import bend_shape
+    >>> from riot.geometry.modes import modes
+    >>> p, q = (bend_shape(modes(shape), np.full(16, 0.01)) for shape in (house, kite))
+    >>> bent_pair(alternatives(house, kite)[0].pair, p, q).outline_p is p.bent.points
+    True
+    """
+    outline_p, outline_q = (
+        bend.bent.points if outline is bend.shape.points else bend.field.at(outline)
+        for bend, outline in ((p, pair.outline_p), (q, pair.outline_q))
+    )
+    return TrunkPair(p.bent, q.bent, outline_p, outline_q, pair.trunk_p, pair.trunk_q, pair.reach, p, q)
+
+
 def _turns_far(state: BendState) -> bool:
     for side, amplitudes in zip(state.sides, state.amplitudes, strict=True):
         maps = side.maps(amplitudes)
@@ -229,21 +252,16 @@ def _turns_far(state: BendState) -> bool:
 
 def _bent_plan(task: _Task) -> BentPlan:
     """Bring both bent shapes to the frame of shapes, and the trunks with them."""
-    bends, outlines, trunks = [], [], []
+    bends, trunks = [], []
     for which, (side, amplitudes) in enumerate(zip(task.state.sides, task.state.amplitudes, strict=True)):
         _, scale = side.scaled_outline(amplitudes)
         nodes = scale * side.nodes_at(amplitudes)
         bend = bent_by(side.modes, task.coefficients[which], nodes)
-        around, weights = side.outline_weights
-        outlines.append(np.einsum("ma,max->mx", weights, bend.field.moved[around]))
         bends.append(bend)
         # The frame is shifted, and scaled by a rounding's worth, since the outline has more points than the shape.
         trunks.append(bend.field.moved.mean(axis=0) + task.state.trunks[which] - nodes.mean(axis=0))
-    pair = task.plan.pair
-    bent_pair = TrunkPair(
-        bends[0].bent, bends[1].bent, outlines[0], outlines[1], pair.trunk_p, pair.trunk_q, pair.reach, *bends
-    )
+    pair = bent_pair(task.plan.pair, bends[0], bends[1])
     conjugate, _ = conjugated(np.stack(trunks), EDGE_TOLERANCE, CONJUGATE_STEPS)
-    plan = plan_on(bent_pair, conjugate, task.refinement.bound_lines)
+    plan = plan_on(pair, conjugate, task.refinement.bound_lines)
     strain = bends[0].rms_strain ** 2 + bends[1].rms_strain ** 2
     return BentPlan(plan, bends[0], bends[1], plan.bound - task.parameters.weight * strain)

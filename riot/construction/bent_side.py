@@ -69,7 +69,8 @@ class BentSide:
         unit = 1.0 / np.sqrt(modes.eigenvalues + SOFTEST)
         moves = modes.vectors * unit[:, None, None]
         rows = modes.bends_of_sides * unit
-        weights = modes.elements.weights(outline)
+        of_shape = outline is modes.shape.points
+        weights = modes.outline_weights if of_shape else modes.elements.weights(outline)
         return cls._on(modes, weights, modes.elements.nodes, moves, np.zeros(len(rows)), rows)
 
     def bent_again(self, amplitudes: FloatArray) -> BentSide:

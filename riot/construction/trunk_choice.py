@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy.typing as npt
 
 from riot.construction.bend import bend_best
+from riot.construction.bent_choice import construct_bent
 from riot.construction.given_trunks import given_pair
 from riot.construction.pins import Pins
 from riot.construction.plan import ConstructionPlan
@@ -81,10 +82,10 @@ def construct(
         plans = sorted({*refine_best(plans, refinement), *plans}, key=lambda plan: -plan.bound)
     else:
         plans, unplanned = find_plans(a, b, refinement, pieces)
-    return construct_bent(plans, unplanned, parameters, refinement, pins, bend, stiff)
+    return construct_from(plans, unplanned, parameters, refinement, pins, bend, stiff)
 
 
-def construct_bent(
+def construct_from(
     plans: Sequence[ConstructionPlan],
     unplanned: Sequence[ConstructionError],
     parameters: ConstructParameters,
@@ -93,24 +94,19 @@ def construct_bent(
     bend: BendParameters | None = None,
     stiff: StiffRegions | None = None,
 ) -> Transform:
-    """Construct plans of one pair of shapes on bent shapes, if ``bend`` asks for it and one of them can be constructed.
-
-    Otherwise as `construct_plans`, errors, too. Raises ConstructionError ``pins`` if there are pins and a bend.
+    """Construct plans of one pair of shapes, bent if ``bend`` asks for it; arguments and errors as of `construct`.
 
     >>> from riot.construction import alternatives
     >>> plans = alternatives(house, kite)
-    >>> bent = construct_bent(plans, [], ConstructParameters(), bend=BendParameters(method="elastic", steps=8))
+    >>> bent = construct_from(plans, [], ConstructParameters(), bend=BendParameters(method="elastic", steps=8))
     >>> bent.input_p is house
     True
     """
-    if bend is not None and bend.method == "elastic" and plans:
-        if pins:
-            raise ConstructionError(
-                "pins", "pins are sections of the inputs' outlines, which a bend moves: use pins or a bend"
-            )
-        bent = bend_best(plans, bend, refinement, parameters, stiff)
-        try:
-            return construct_plans([one.plan for one in bent], unplanned, parameters)
-        except ConstructionError:
-            pass  # as they are the shapes may be cut
-    return construct_plans(plans, unplanned, parameters, pins)
+    if bend is None or bend.method == "off" or not plans:
+        return construct_plans(plans, unplanned, parameters, pins)
+    if pins:
+        raise ConstructionError(
+            "pins", "pins are sections of the inputs' outlines, which a bend moves: use pins or a bend"
+        )
+    bent = bend_best(plans, bend, refinement, parameters, stiff)
+    return construct_bent(bent, plans, unplanned, bend, parameters)

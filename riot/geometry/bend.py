@@ -169,7 +169,7 @@ def bent_by(modes: Modes, coefficients: FloatArray, nodes: FloatArray) -> Bend:
     >>> bent_by(bend, np.zeros(16), 3.0 * bend.elements.nodes).max_strain < 1e-6
     True
     """
-    outline_nodes, weights = modes.elements.weights(modes.shape.points)
+    outline_nodes, weights = modes.outline_weights
     outline = np.einsum("ma,max->mx", weights, nodes[outline_nodes])
     area = polyline.signed_area(outline)
     if not area > 0.0:

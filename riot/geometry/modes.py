@@ -23,7 +23,7 @@ from riot.geometry.elements import MASS, Elements, elements_on
 from riot.geometry.shape import Shape
 from riot.geometry.sides import Sides, side_rows, straight_sides
 from riot.geometry.triangulation import triangulate
-from riot.types import FloatArray
+from riot.types import FloatArray, IntArray
 
 SHIFT = 1e-3
 """Mass that is added to the stiffness, so that it has an inverse: less than the eigenvalues of thin limbs."""
@@ -75,6 +75,11 @@ class Modes:
     stiffness: FloatArray
     straight: float
     sides: Sides
+
+    @cached_property
+    def outline_weights(self) -> tuple[IntArray, FloatArray]:
+        """Six nodes (m, 6) and their weights (m, 6) for each of the shape's outline points."""
+        return self.elements.weights(self.shape.points)
 
     @cached_property
     def displacements(self) -> FloatArray:

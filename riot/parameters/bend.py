@@ -43,3 +43,9 @@ class BendParameters(ParameterGroup):
     turns: int = parameter(
         1, at_least=0, meaning="How often modes are computed anew on the bent shape, where it bends far."
     )
+    judged: int = parameter(
+        5, at_least=1, meaning="So many bent plans are constructed, and the one whose transform is worth most is kept."
+    )
+    limbs: float = parameter(
+        0.1, at_least=0, meaning="Weight of the centre-line Dice beside the IoU where these are compared."
+    )
