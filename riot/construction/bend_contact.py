@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from riot.construction.tuning import CONTACT_INSET, CONTACT_RAMP, CONTACT_SAMPLES
-from riot.kernels.pulls import arc_distances
+from riot.kernels.pulls import nearest_arcs
 from riot.types import FloatArray, IntArray
 
 
@@ -32,21 +32,19 @@ def contact_cost(
     at = ((np.arange(CONTACT_SAMPLES) + 0.5) / CONTACT_SAMPLES)[None, :, None]
     inwards = CONTACT_INSET * (first.mean(axis=0) - 0.5 * (first + last))
     samples = (((1.0 - at) * first[:, None] + at * last[:, None]) + inwards[:, None]).reshape(-1, 2)
-    distances, segments, shares = arc_distances(samples, arcs, offsets)
-    rows = np.arange(len(samples))
-    own = distances[rows, edge]
-    distances[rows, edge] = np.inf
-    other = distances.argmin(axis=1)
-    distances[rows, edge] = own
-    lead = (own - distances[rows, other]) / CONTACT_RAMP
+    distances, segments, shares = nearest_arcs(samples, edge, arcs, offsets)
+    lead = (distances[:, 0] - distances[:, 1]) / CONTACT_RAMP
     covered = np.clip(lead, 0.0, 1.0).reshape(n, -1).mean(axis=1)
     beyond = np.maximum(covered - spare, 0.0)
     gradient = np.zeros_like(arcs)
-    rows = rows[(lead > 0.0) & (lead < 1.0) & (beyond[edge] > 0.0)]
+    rows = np.flatnonzero((lead > 0.0) & (lead < 1.0) & (beyond[edge] > 0.0))
+    if len(rows) == 0:
+        return weight * float(beyond @ beyond), gradient, covered
     k = edge[rows]
     share_at = at[0, rows % CONTACT_SAMPLES]
-    for arc, sign in ((k, 1.0), (other[rows], -1.0)):
-        segment, share, distance = segments[rows, arc], shares[rows, arc][:, None], distances[rows, arc]
+    for column, sign in ((0, 1.0), (1, -1.0)):
+        segment, share = segments[rows, column], shares[rows, column][:, None]
+        distance = distances[rows, column]
         away = samples[rows] - (1.0 - share) * arcs[segment] - share * arcs[segment + 1]
         factor = 2.0 * sign * weight / (CONTACT_RAMP * CONTACT_SAMPLES) * beyond[k]
         pull = np.where(distance != 0.0, factor / np.where(distance != 0.0, distance, 1.0), 0.0)[:, None] * away

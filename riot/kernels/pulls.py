@@ -109,24 +109,40 @@ def pulls(arcs: FloatArray, offsets: IntArray, low: float, step: float, lines: i
 
 
 @kernel
-def arc_distances(points: FloatArray, arcs: FloatArray, offsets: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
-    """Signed distances (k, n) of points (k, 2) to arcs, negative in the region between an arc and its chord.
+def nearest_arcs(
+    points: FloatArray, own: IntArray, arcs: FloatArray, offsets: IntArray
+) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Signed distances (k, 2) of points (k, 2) to their ``own`` arcs (k,) and to the nearest other, negative in the
+    region between an arc and its chord; infinite for the other where none is nearer than the own one.
 
-    And where the nearest point of the arc is: on which edge (k, n), by its first point, at what share of it (k, n).
+    And where the nearest point of both arcs is: on which edge (k, 2), by its first point, at what share of it (k, 2).
     """
-    n = len(offsets) - 1
-    distances, edges, shares = (
-        np.empty((len(points), n)),
-        np.empty((len(points), n), np.int64),
-        np.empty((len(points), n)),
-    )
-    for p in range(len(points)):
-        for i in range(n):
+    n, count = len(offsets) - 1, len(points)
+    distances = np.full((count, 2), np.inf)
+    edges, shares = np.zeros((count, 2), np.int64), np.zeros((count, 2))
+    boxes = np.empty((n, 4))
+    for i in range(n):
+        boxes[i, 0] = boxes[i, 1] = np.inf
+        boxes[i, 2] = boxes[i, 3] = -np.inf
+        for k in range(offsets[i], offsets[i + 1]):
+            boxes[i, 0], boxes[i, 1] = min(boxes[i, 0], arcs[k, 0]), min(boxes[i, 1], arcs[k, 1])
+            boxes[i, 2], boxes[i, 3] = max(boxes[i, 2], arcs[k, 0]), max(boxes[i, 3], arcs[k, 1])
+    for p in range(count):
+        x, y = points[p, 0], points[p, 1]
+        for turn in range(n):
+            i = (own[p] + turn) % n
+            column = min(turn, 1)
+            if turn > 0:
+                across = max(boxes[i, 0] - x, x - boxes[i, 2], 0.0)
+                up = max(boxes[i, 1] - y, y - boxes[i, 3], 0.0)
+                apart = np.sqrt(across * across + up * up)
+                if apart > 0.0 and apart >= distances[p, 0]:
+                    continue  # outside its box an arc is no nearer than the box
             last = offsets[i + 1] - 1
-            ax, ay = arcs[last, 0] - points[p, 0], arcs[last, 1] - points[p, 1]
-            inside, least = False, np.inf
+            ax, ay = arcs[last, 0] - x, arcs[last, 1] - y
+            inside, least, edge, share = False, np.inf, 0, 0.0
             for k in range(offsets[i] - 1, last):
-                bx, by = arcs[k + 1, 0] - points[p, 0], arcs[k + 1, 1] - points[p, 1]
+                bx, by = arcs[k + 1, 0] - x, arcs[k + 1, 1] - y
                 ex, ey = bx - ax, by - ay
                 if (ay > 0.0) != (by > 0.0) and ax - ay / ey * ex > 0.0:
                     inside = not inside
@@ -135,9 +151,11 @@ def arc_distances(points: FloatArray, arcs: FloatArray, offsets: IntArray) -> tu
                     u = 0.0 if square == 0.0 else min(1.0, max(0.0, -(ax * ex + ay * ey) / square))
                     far = (ax + u * ex) ** 2 + (ay + u * ey) ** 2
                     if far < least:
-                        least, edges[p, i], shares[p, i] = far, k, u
+                        least, edge, share = far, k, u
                 ax, ay = bx, by
-            distances[p, i] = -np.sqrt(least) if inside else np.sqrt(least)
+            distance = -np.sqrt(least) if inside else np.sqrt(least)
+            if turn == 0 or (distance < distances[p, 0] and distance < distances[p, 1]):
+                distances[p, column], edges[p, column], shares[p, column] = distance, edge, share
     return distances, edges, shares
 
 
@@ -146,4 +164,4 @@ def warm() -> None:
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     arcs = np.stack([square, np.roll(square, -1, axis=0)], axis=1).reshape(8, 2)
     pulls(arcs, np.arange(0, 9, 2), 0.0, 0.125, 8)
-    arc_distances(square, arcs, np.arange(0, 9, 2))
+    nearest_arcs(square, np.arange(4), arcs, np.arange(0, 9, 2))

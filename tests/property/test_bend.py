@@ -25,7 +25,7 @@ from riot.geometry.modes import Modes, modes
 from riot.geometry.polyline import edge_lengths, is_simple
 from riot.groundtruth.pairs import exact_pair
 from riot.kernels.change import least_changes
-from riot.kernels.pulls import arc_distances, pulls
+from riot.kernels.pulls import nearest_arcs, pulls
 from riot.parameters import BendParameters, ConstructParameters, RefineParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.transform.deformation import overlap_ratio
@@ -202,7 +202,7 @@ def test_a_piece_that_reaches_over_another_edge_covers_it() -> None:
 def test_signed_distances_of_arcs() -> None:
     arcs = np.array([[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]])
     points = np.array([[0.5, 0.4], [0.5, 2.0], [0.5, -0.5]])
-    distances, edges, _ = arc_distances(points, arcs, np.array([0, 3]))
+    distances, edges, _ = nearest_arcs(points, np.zeros(3, np.int64), arcs, np.array([0, 3]))
     assert (np.sign(distances[:, 0]) == [-1, 1, 1]).all()
     assert distances[1, 0] == pytest.approx(1.0) and set(edges[:, 0]) <= {0, 1}
 
