@@ -14,6 +14,7 @@ from pipeline.stages.refine import unpack_plans
 from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
 from pipeline.stages.shortlist import shortlisted
 from pipeline.stages.stage import Stage
+from pipeline.stages.trunk_arrays import unpack_trunks
 from pipeline.store.artifact import AnyArray, Artifact
 from riot import construction, geometry
 from riot.geometry.shape import Shape
@@ -24,11 +25,11 @@ if TYPE_CHECKING:
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, int]) -> Artifact:
-    """Batches of P and Q, the pair's CRS, refined trunks, and both shapes' modes → bent plans (see `unpack_bent`).
+    """Batches of P and Q, the pair's CRS and refined trunks, both shapes' modes and full trunks → bent plans.
 
-    Without modes of either shape there are none.
+    `unpack_bent` reads them. Without modes of either shape there are none.
     """
-    batch_p, batch_q, cross, refined, modes_p, modes_q = inputs
+    batch_p, batch_q, cross, refined, modes_p, modes_q, *trunks = inputs
     settings, refinement, spacing, allowed = parameters
     contact = ConstructParameters(spacing=spacing, max_lost_contact=allowed)
     p, q = expect_shape(batch_p, spec[0]), expect_shape(batch_q, spec[1])
@@ -39,7 +40,10 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     if plans and of_p is not None and of_q is not None:
 
         def bend() -> list[BentPlan]:
-            return construction.bend.bend_plans(plans, of_p, of_q, settings, refinement, contact)
+            full_p, full_q = (unpack_trunks(full, 0) for full in trunks)
+            more = construction.plan_search.sized_plans(p, q, full_p, full_q, refinement, settings.starts)
+            starts = sorted([*plans, *more], key=lambda plan: -plan.bound)
+            return construction.bend.bend_plans(starts, of_p, of_q, settings, refinement, contact)
 
         best = attempt(0, bend, errors) or []
     return Artifact(_pack(best), {"errors": errors})
@@ -93,13 +97,16 @@ def items(progress: Progress) -> list[WorkItem]:
     """A work item for each pair of the shortlist whose shapes' modes are done, the most promising first."""
     recipe, refined = progress.recipes["bend"], progress.finished("refine")
     modes = {item.members[0]: item for item in progress.finished("modes")}
+    trunks = {item.members[0]: item for item in progress.work["trunks_full"]}
     work = []
     for position in shortlisted(progress):
         item = refined[position]
         p, q = item.members
         if p in modes and q in modes:
-            keys = [item.key, modes[p].key, modes[q].key]
+            full = [trunks[p], trunks[q]]
+            keys = [item.key, modes[p].key, modes[q].key, *(one.key for one in full)]
             sources = [*item.sources, item.reference, modes[p].reference, modes[q].reference]
+            sources += [one.reference for one in full]
             work.append(recipe.item(recipe.parts(keys), sources, spec=item.spec, members=item.members))
     return work
 

@@ -129,6 +129,7 @@ def _rejected(reason: str, message: str) -> Artifact:
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for each pair of the shortlist, the most promising first."""
     recipe, refined = progress.recipes["construct"], progress.finished("refine")
+    modes = {item.members[0]: item for item in progress.finished("modes")}
     bent = {item.members: item for item in progress.finished("bend")}
     work = []
     for position in shortlisted(progress):
@@ -138,7 +139,8 @@ def items(progress: Progress) -> list[WorkItem]:
         spec = ((item.spec[0], names[0]), (item.spec[1], names[1]))
         keys, sources = [item.key], [*item.sources, item.reference]
         if (bend := bent.get(item.members)) is not None:
-            keys, sources = [*keys, bend.key], [*bend.sources, bend.reference]
+            keys.append(bend.key)
+            sources += [modes[p].reference, modes[q].reference, bend.reference]
         work.append(recipe.item(recipe.parts(keys, names), sources, spec=spec, members=(p, q)))
     return work
 

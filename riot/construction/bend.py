@@ -19,7 +19,17 @@ from riot.construction.contact import require_plan_contact
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_on
 from riot.construction.refine import refine
 from riot.construction.stiff import StiffRegions
-from riot.construction.tuning import CONJUGATE_STEPS, EDGE_TOLERANCE, EXACT_BOUND, LARGE_TURN, SHARPNESS, SOFTEST
+from riot.construction.tuning import (
+    CONJUGATE_STEPS,
+    EDGE_TOLERANCE,
+    EXACT_BOUND,
+    HELD_CONTACT,
+    HELD_STARTS,
+    LARGE_TURN,
+    NEAR_COPY,
+    SHARPNESS,
+    SOFTEST,
+)
 from riot.errors import ConstructionError
 from riot.geometry.bend import Bend, bent_by
 from riot.geometry.modes import Modes, modes
@@ -95,15 +105,29 @@ def bend_plans(
     >>> len(bent)
     4
     """
-    sides = _sides(plans[0], modes_p, modes_q)
-    tasks = [
-        _Task.of(plan, sides, parameters, refinement or RefineParameters(), construction)
-        for plan in _promising(plans, parameters.sketched, construction or ConstructParameters())
-    ]
+    sides, refinement = _sides(plans[0], modes_p, modes_q), refinement or RefineParameters()
+    construction = construction or ConstructParameters()
+    bent = _bend_round(plans, sides, parameters, refinement, construction)
+    if not any(_keeps_contact(one.plan, construction) for one in bent):
+        held = replace(
+            parameters, contact=HELD_CONTACT * parameters.contact, sketched=HELD_STARTS * parameters.sketched
+        )
+        bent += _bend_round(plans, sides, held, refinement, construction)
+    return sorted(bent, key=lambda plan: -plan.worth)
+
+
+def _bend_round(
+    plans: Sequence[ConstructionPlan],
+    sides: tuple[BentSide, BentSide],
+    parameters: BendParameters,
+    refinement: RefineParameters,
+    construction: ConstructParameters,
+) -> list[BentPlan]:
+    chosen = _promising(plans, parameters.sketched, construction)
+    tasks = [_Task.of(plan, sides, parameters, refinement, construction) for plan in chosen]
     tasks = sorted((task.sketched() for task in tasks), key=lambda task: -task.worth)
     count = parameters.finished
-    bent = [*(task.finished().bent() for task in tasks[:count]), *(task.bent() for task in tasks[count:])]
-    return sorted(bent, key=lambda plan: -plan.worth)
+    return [*(task.finished().bent() for task in tasks[:count]), *(task.bent() for task in tasks[count:])]
 
 
 def bend_plan(
@@ -213,15 +237,34 @@ def _sides(plan: ConstructionPlan, modes_p: Modes, modes_q: Modes) -> tuple[Bent
 def _promising(
     plans: Sequence[ConstructionPlan], count: int, construction: ConstructParameters
 ) -> list[ConstructionPlan]:
-    """The first plans, with one among them whose pieces keep their edges as it is, if any plan's do."""
-    chosen = list(plans[:count])
+    """The first plans that are no near copies of better ones, with one among them whose pieces keep their edges as it
+    is, if any plan's do."""
+    distinct: list[ConstructionPlan] = []
     for plan in plans:
-        try:
-            require_plan_contact(plan, construction.spacing, construction.max_lost_contact)
-        except ConstructionError:
-            continue
-        return chosen if plan in chosen else [*chosen[:-1], plan]
-    return chosen
+        if len(distinct) == count:
+            break
+        if not any(_is_near(plan.trunks, other.trunks) for other in distinct):
+            distinct.append(plan)
+    keeping = next((plan for plan in plans if _keeps_contact(plan, construction)), None)
+    if keeping is None or keeping in distinct:
+        return distinct
+    return [*distinct[: count - 1], keeping]
+
+
+def _is_near(trunks: FloatArray, others: FloatArray) -> bool:
+    """Whether all corners of conjugate trunks (2, n, 2) lie near those of others in some order."""
+    n = trunks.shape[1]
+    return trunks.shape == others.shape and any(
+        np.abs(trunks - np.roll(others, shift, axis=1)).max() < NEAR_COPY for shift in range(n)
+    )
+
+
+def _keeps_contact(plan: ConstructionPlan, construction: ConstructParameters) -> bool:
+    try:
+        require_plan_contact(plan, construction.spacing, construction.max_lost_contact)
+    except ConstructionError:
+        return False
+    return True
 
 
 def bent_pair(pair: TrunkPair, p: Bend, q: Bend) -> TrunkPair:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from riot.construction.contact import require_plan_contact
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_pair
 from riot.construction.refine import refine
+from riot.construction.tuning import LEAST_STARTS, MOST_STARTS
 from riot.errors import ConstructionError, TrunkError
 from riot.geometry.shape import Shape
 from riot.parameters import CrsParameters, RefineParameters, TrunkParameters
 from riot.scores.crs import CrossScore, best_trunk_pairs
-from riot.scores.trunks import full_trunks
+from riot.scores.trunks import Trunks, full_trunks
 
 PlansAndFailures = tuple[list[ConstructionPlan], list[ConstructionError]]
 """Plans, the one of highest bound first, and why the other trunk pairs gave none."""
@@ -43,10 +45,12 @@ def alternatives(
     return plans
 
 
-def find_plans(a: Shape, b: Shape, refinement: RefineParameters, pieces: PieceCounts | None = None) -> PlansAndFailures:
-    """Refine the trunk pairs of highest CRS (ours); ``pieces`` as in `construct`.
+def find_plans(
+    a: Shape, b: Shape, refinement: RefineParameters, pieces: PieceCounts | None = None, per_size: int = 0
+) -> PlansAndFailures:
+    """Refine the trunk pairs of highest CRS (ours), and ``per_size`` more of each number of vertices (`sized_plans`).
 
-    Raises TrunkError if the shapes have no trunks that correspond.
+    ``pieces`` as in `construct`. Raises TrunkError if the shapes have no trunks that correspond.
     """
     full_a, full_b = full_trunks(a, TrunkParameters()), full_trunks(b, TrunkParameters())
     for shape, trunks in ((a, full_a), (b, full_b)):
@@ -60,7 +64,32 @@ def find_plans(a: Shape, b: Shape, refinement: RefineParameters, pieces: PieceCo
     if not scores:
         number = "the same number of" if pieces is None else f"the same number of {pieces[0]} to {pieces[1]}"
         raise TrunkError(f"{a.name or 'P'} and {b.name or 'Q'} have no trunks with {number} vertices")
-    return refine_scored(a, b, scores, refinement)
+    plans, unplanned = refine_scored(a, b, scores, refinement)
+    plans += sized_plans(a, b, full_a, full_b, refinement, per_size)
+    return sorted(plans, key=lambda plan: -plan.bound), unplanned
+
+
+def sized_plans(
+    a: Shape, b: Shape, trunks_a: Trunks, trunks_b: Trunks, refinement: RefineParameters, count: int
+) -> list[ConstructionPlan]:
+    """Refine the ``count`` trunk pairs of highest CRS of each number of vertices up to `MOST_STARTS` (ours).
+
+        Those of highest CRS in all are often near copies of one another. These differ, and some of them may do after a
+        a bend though they do not before.
+
+        >>> from riot.scores.trunk_stack import Trunks
+    from riot.scores.trunks import full_trunks
+        >>> plans = sized_plans(house, kite, full_trunks(house), full_trunks(kite), RefineParameters(), 2)
+        >>> sorted({plan.trunks.shape[1] for plan in plans})
+        [3, 4]
+    """
+    scores: list[CrossScore] = []
+    for n in range(LEAST_STARTS, MOST_STARTS + 1 if count else 0):
+        of_a, of_b = trunks_a.of_sizes(n, n), trunks_b.of_sizes(n, n)
+        if len(of_a) and len(of_b):
+            scores += best_trunk_pairs(a, b, of_a, of_b, CrsParameters(), count)
+    plans, _ = plan_pairs(trunk_pairs(a, b, scores, refinement.reach), refinement)
+    return refine_best(plans, replace(refinement, sketched=len(plans)))
 
 
 def refine_scored(a: Shape, b: Shape, scores: Sequence[CrossScore], refinement: RefineParameters) -> PlansAndFailures:

@@ -81,7 +81,8 @@ def construct(
         # Refined trunks may lose contact that the given ones have.
         plans = sorted({*refine_best(plans, refinement), *plans}, key=lambda plan: -plan.bound)
     else:
-        plans, unplanned = find_plans(a, b, refinement, pieces)
+        starts = bend.starts if bend is not None and bend.method == "elastic" else 0
+        plans, unplanned = find_plans(a, b, refinement, pieces, starts)
     return construct_from(plans, unplanned, parameters, refinement, pins, bend, stiff)
 
 

@@ -206,6 +206,16 @@ RESIDUAL_LINES = 2048
 
 # Bending (theory §12)
 
+LEAST_STARTS, MOST_STARTS = 3, 8
+"""Vertices of the trunk pairs that are looked for by their number: a trunk has three at least, and a puzzle of more
+than eight pieces is a patience."""
+
+NEAR_COPY = 0.03 * D_C
+"""Length: of plans whose corners all lie nearer to those of a better one, only that one is bent."""
+
+HELD_CONTACT, HELD_STARTS = 4.0, 3
+"""Where no bent plan keeps contact: so many times as many plans are bent, and contact weighs so many times as much."""
+
 SOFTEST = 4.0
 """Eigenvalue below which a mode's step is measured by how far it moves the shape, and no more by its energy."""
 

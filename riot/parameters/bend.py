@@ -15,7 +15,12 @@ class BendParameters(ParameterGroup):
     method: Literal["off", "elastic"] = parameter(
         "off", meaning="elastic: both shapes are bent a little before they are cut. off: they stay as they are."
     )
-    modes: int = parameter(16, at_least=1, at_most=64, meaning="Elastic modes of each shape along which it may bend.")
+    starts: int = parameter(
+        4,
+        at_least=0,
+        meaning="So many trunk pairs of each number of vertices from 3 to 8 are looked for too, best CRS first.",
+    )
+    modes: int = parameter(24, at_least=1, at_most=64, meaning="Elastic modes of each shape along which it may bend.")
     weight: float = parameter(
         1.0,
         at_least=0,
