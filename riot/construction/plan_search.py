@@ -74,14 +74,13 @@ def sized_plans(
 ) -> list[ConstructionPlan]:
     """Refine the ``count`` trunk pairs of highest CRS of each number of vertices up to `MOST_STARTS` (ours).
 
-        Those of highest CRS in all are often near copies of one another. These differ, and some of them may do after a
-        a bend though they do not before.
+    Those of highest CRS in all are often near copies of one another. These differ, and some of them may do after a
+    bend though they do not before.
 
-        >>> from riot.scores.trunk_stack import Trunks
-    from riot.scores.trunks import full_trunks
-        >>> plans = sized_plans(house, kite, full_trunks(house), full_trunks(kite), RefineParameters(), 2)
-        >>> sorted({plan.trunks.shape[1] for plan in plans})
-        [3, 4]
+    >>> from riot.scores.trunks import full_trunks
+    >>> plans = sized_plans(house, kite, full_trunks(house), full_trunks(kite), RefineParameters(), 2)
+    >>> sorted({plan.trunks.shape[1] for plan in plans})
+    [3, 4]
     """
     scores: list[CrossScore] = []
     for n in range(LEAST_STARTS, MOST_STARTS + 1 if count else 0):

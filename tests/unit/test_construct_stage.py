@@ -56,7 +56,7 @@ def made(method: str) -> Artifact:
         [RefineParameters(sketched=0, refined=0), settings.spacing, settings.max_lost_contact],
         (0, 1),
     )
-    found = construct.run([batch, batch, cross, refined], [settings, REACH], ((0, "P"), (1, "Q")))
+    found = construct.run([batch, batch, cross, refined], [settings, REACH, 5, 0.1], ((0, "P"), (1, "Q")))
     assert "errors" not in found.document
     return decode(encode(found))
 
