@@ -17,9 +17,9 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from functools import cache
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache, partial
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -31,7 +31,7 @@ from rich.console import Console
 from rich.table import Table
 
 from riot.construction.bend import bend_plans
-from riot.construction.plan import ConstructionPlan
+from riot.construction.bent_choice import construct_bent
 from riot.construction.plan_search import find_plans
 from riot.construction.plan_transform import construct_plans
 from riot.errors import RiotError
@@ -42,7 +42,7 @@ from riot.geometry.sides import straight_sides
 from riot.geometry.silhouette import read
 from riot.kernels.warm import warm_all
 from riot.parameters import BendParameters, ConstructParameters, RefineParameters
-from riot.transform.deformation import overlap_ratio, overlap_ratios
+from riot.transform.deformation import measure_deformation
 from riot.transform.transform import Transform
 
 FORMAT = 1
@@ -124,34 +124,31 @@ def _sag(points: np.ndarray) -> float:
 
 
 def outcome(
-    plans: Sequence[ConstructionPlan], bends: Sequence[tuple[Bend, Bend]] | None, refine_ms: float, bend_ms: float
+    make: Callable[[], Transform], bound: float, shapes: tuple[Shape, Shape], refine_ms: float, bend_ms: float
 ) -> Outcome:
-    """Construct on plans, and measure."""
+    """Construct, and measure; the times are those of what went before."""
     start = time.process_time()
     transform, reason = None, ""
     try:
-        transform = construct_plans(plans, [], CONSTRUCTION)
+        transform = make()
     except RiotError as error:
         reason = getattr(error, "reason", "error")
-    construct_ms = 1e3 * (time.process_time() - start)
-    which = 0
-    if bends is not None and transform is not None:
-        which = next(k for k, (p, _) in enumerate(bends) if p.bent is transform.p)
-    pair = bends[which] if bends is not None else None
-    iou = min(overlap_ratios(transform)) if transform is not None else np.nan
-    rms, greatest = (max(b.rms_strain for b in pair), max(b.max_strain for b in pair)) if pair else (0.0, 0.0)
-    input_iou = iou
-    if transform is not None and pair is not None:
-        input_iou = min(
-            overlap_ratio(outline, bend.shape.points)
-            for outline, bend in zip((transform.outline_p(), transform.outline_q()), pair, strict=True)
-        )
+    times = refine_ms, bend_ms, 1e3 * (time.process_time() - start)
+    if transform is None:
+        return Outcome(Figures(bound, np.nan, np.nan, 0.0, 0.0, 0.0, *times, reason), shapes, None, None)
+    deformation = measure_deformation(transform)
+    bends = (transform.bend_p, transform.bend_q) if transform.bend_p and transform.bend_q else None
     figures = Figures(
-        plans[which].bound, iou, input_iou, rms, greatest, max(map(sag, pair)) if pair else 0.0,
-        refine_ms, bend_ms, construct_ms, reason,
-    )  # fmt: skip
-    inputs = (pair[0].shape, pair[1].shape) if pair else (plans[0].pair.p, plans[0].pair.q)
-    return Outcome(figures, inputs, transform, pair)
+        bound,
+        deformation.iou,
+        min(deformation.input_iou_p, deformation.input_iou_q),
+        max(deformation.rms_strain_p, deformation.rms_strain_q),
+        max(deformation.max_strain_p, deformation.max_strain_q),
+        max(map(sag, bends)) if bends else 0.0,
+        *times,
+        reason,
+    )
+    return Outcome(figures, shapes, transform, bends)
 
 
 def compare(paths: tuple[Path, Path], ways: dict[str, BendParameters]) -> dict[str, Outcome]:
@@ -162,16 +159,19 @@ def compare(paths: tuple[Path, Path], ways: dict[str, BendParameters]) -> dict[s
     refine_ms = 1e3 * (time.process_time() - start)
     if not plans:
         raise unplanned[0]
-    outcomes = {"unbent": outcome(plans, None, refine_ms, 0.0)}
+    unbent = outcome(lambda: construct_plans(plans, unplanned, CONSTRUCTION), plans[0].bound, (p, q), refine_ms, 0.0)
+    outcomes = {"unbent": unbent}
     for name, parameters in ways.items():
         (of_p, ms_p), (of_q, ms_q) = (elastic(path, parameters.straight, parameters.modes) for path in paths)
         start = time.process_time()
-        bent = bend_plans(plans, of_p, of_q, parameters, REFINEMENT, CONSTRUCTION)
-        bend_ms = 1e3 * (time.process_time() - start) + ms_p + ms_q
-        result = outcome([b.plan for b in bent], [(b.p, b.q) for b in bent], refine_ms, bend_ms)
-        if result.transform is None and outcomes["unbent"].transform is not None:  # as the library goes on
-            result = replace(outcomes["unbent"], figures=replace(outcomes["unbent"].figures, bend_ms=bend_ms))
-        outcomes[name] = result
+        starts, _ = find_plans(p, q, REFINEMENT, None, parameters.starts)
+        found_ms = 1e3 * (time.process_time() - start)
+        bent = bend_plans(starts, of_p, of_q, parameters, REFINEMENT, CONSTRUCTION)
+        bend_ms = 1e3 * (time.process_time() - start) - found_ms + ms_p + ms_q
+        outcomes[name] = outcome(
+            partial(construct_bent, bent, starts, unplanned, parameters, CONSTRUCTION),
+            bent[0].plan.bound, (p, q), found_ms, bend_ms,
+        )  # fmt: skip
     return outcomes
 
 

@@ -9,11 +9,14 @@ import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.construct import least_deformed
-from pipeline.stages.shape_arrays import ErrorRow, attempt
+from pipeline.stages.construct import Spec, least_deformed
+from pipeline.stages.modes import bends
+from pipeline.stages.refine import unpack_plans
+from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
 from riot import construction, transform
+from riot.parameters import ConstructParameters
 
 if TYPE_CHECKING:
     from riot.construction.plan import ConstructionPlan
@@ -22,17 +25,36 @@ if TYPE_CHECKING:
 COLUMNS = ("paper_iou", "paper_gaps", "paper_overlaps", "paper_outside", "paper_hausdorff")
 
 
-def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
-    """A certified construction → a document with the numbers `COLUMNS`, each of the worse shape or trunk."""
-    (constructed,), (settings, reach) = inputs, parameters
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec | None) -> Artifact:
+    """A certified construction → a document with the numbers `COLUMNS`, each of the worse shape or trunk.
+
+    If its shapes may be bent, the batches of P and Q, the pair's CRS and refined trunks follow: the paper's method is
+    tried on the trunks of the exact transform of the shapes as they are, whose ``unbent_iou`` is told too.
+    """
+    (constructed, *unbent), (settings, reach) = inputs, parameters
     exact = transform.riot_file.from_json(constructed.document["riot"])
     errors: list[ErrorRow] = []
+    row: dict[str, Any] = {}
+    if unbent and spec is not None:
+        as_it_is = attempt(0, lambda: _unbent(unbent, settings, reach, spec), errors)
+        if as_it_is is None:
+            return Artifact({}, {"errors": []})  # only a bend makes this pair a transform, which is no mistake
+        exact = as_it_is
+        row["unbent_iou"] = transform.deformation.measure_deformation(exact).iou
 
     def approximate() -> Transform:
         return construction.laplacian.method.construct_laplacian(same_trunks(exact, settings.snap, reach), settings)
 
     paper = attempt(0, approximate, errors)
-    return Artifact({}, {"errors": errors} if paper is None else _row(paper))
+    return Artifact({}, {**row, **({"errors": errors} if paper is None else _row(paper))})
+
+
+def _unbent(inputs: Sequence[Artifact], settings: ConstructParameters, reach: float, spec: Spec) -> Transform:
+    batch_p, batch_q, cross, refined = inputs
+    (index_p, name_p), (index_q, name_q) = spec
+    p, q = expect_shape(batch_p, index_p, name_p), expect_shape(batch_q, index_q, name_q)
+    plans, unplanned = unpack_plans(refined, cross, p, q, reach)
+    return construction.plan_transform.construct_plans(plans, unplanned, settings)
 
 
 def same_trunks(exact: Transform, snap: float, reach: float) -> ConstructionPlan:
@@ -55,8 +77,19 @@ def _row(paper: Transform) -> dict[str, Any]:
 
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for each of the least deformed certified constructions, in order."""
+    recipe = progress.recipes["paper"]
     best = least_deformed(progress, progress.config.compare)
-    return [progress.recipes["paper"].after(item) for item in best]
+    if not bends(progress.config):
+        return [recipe.after(item) for item in best]
+    return [
+        recipe.item(
+            recipe.parts([item.key], item.spec),
+            [item.reference, *item.sources[:4]],
+            spec=item.spec,
+            members=item.members,
+        )
+        for item in best
+    ]
 
 
 RATIO, AREA, OF_L_C = "1", "unit-area frame", "L_c = 2*sqrt(pi)"
@@ -78,6 +111,12 @@ STAGE = Stage(
             (
                 Column(
                     "paper_iou", "float64", "IoU of the worse shape by the paper's method; null = not compared", RATIO
+                ),
+                Column(
+                    "unbent_iou",
+                    "float64",
+                    "IoU of the worse shape of the exact transform without a bend; null = not compared, or none",
+                    RATIO,
                 ),
                 Column("paper_gaps", "float64", "area of its gaps in the trunk of the greatest residual", AREA),
                 Column("paper_overlaps", "float64", "area of its overlaps in that trunk", AREA),
