@@ -27,6 +27,7 @@ from pipeline.store.store import State, Store
 from pipeline.tables import schemas as tables
 from pipeline.tables.outputs import from_rows, write_table
 from pipeline.tables.record import ARTIFACTS
+from riot.parameters import BendParameters
 
 PAIRS = [(0, 3), (2, 5), (4, 6)]
 """Pairs that somebody selected: which they are is known only when a run goes on, and an edit may leave them."""
@@ -53,7 +54,8 @@ class Project:
         if not (root / "pictures").exists():
             pictures(root / "pictures", range(SHAPES))
         dataset = DatasetConfig("folder", "folder", str(root / "pictures"))
-        config = Config(dataset, outputs=root / "outputs", store=root / "store", batch=4)
+        bend = BendParameters(method="elastic")
+        config = Config(dataset, outputs=root / "outputs", store=root / "store", batch=4, bend=bend)
         return cls(root, config, sources, patch).loaded()
 
     @classmethod
@@ -173,11 +175,11 @@ ALL = frozenset(stage.name for stage in STAGES) - {
 }  # fmt: skip
 """The stages of a usual run that makes no pictures; what is made up has no transform of which a margin could be."""
 OF_SHAPES = frozenset(stage.name for stage in STAGES if stage.scope == "batch")
-RATED = OF_SHAPES - {"trunks"} | {"near_duplicates"}
+RATED = OF_SHAPES - {"trunks"} | {"near_duplicates", "modes"}
 """Stages that look for no trunks."""
 STATIC = OF_SHAPES | {"qcrs"}
 TRUNKS_ON = frozenset({"qcrs", "select"})
-CROSS_ON = frozenset({"crs", "refine", "shortlist", "construct", "motion"})
+CROSS_ON = frozenset({"crs", "refine", "shortlist", "bend", "construct", "motion"})
 
 
 def _code(module: str, old: str, new: str, again: Iterable[str], changed: str = "") -> Edit:
