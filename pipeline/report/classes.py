@@ -85,7 +85,7 @@ def classes_page(run: ReportedRun, rows: Sequence[TransformRow]) -> str:
 
 def _class_best(kind: ShapeClass, rows: Sequence[TransformRow]) -> ClassBest:
     own = [row for row in rows if kind.name in row.classes]
-    why = f"None of its {several(kind.selected, 'selected pair')} became a transform"
+    why = f"None of its {several(kind.selected, 'selected pair')} is among the transforms"
     return ClassBest(
         plain_words(kind.name),
         silhouette(kind.outline) if len(kind.outline) else Markup(),

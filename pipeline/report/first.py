@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from pipeline.report.rows import TransformRow
@@ -11,21 +12,29 @@ FIRST = 6
 
 
 def first_transforms(rows: Sequence[TransformRow]) -> list[TransformRow]:
-    """The best `FIRST` of ``rows`` (best first) that can swing, as many different things among them as there are.
+    """Up to `FIRST` of ``rows`` that can swing, of as many different things as there are.
 
-    A transform of a class, or without classes of a shape, that is shown already comes after all others; one that lifts
-    comes after one that swings flat. Approximate ones, which have no motion, are left out.
+    What is taken next shows the fewest things that are shown already (a thing is a class, or a shape without one);
+    among those it swings flat; and then surprise times margin counts: one thing becomes quite another, and both are
+    recognised. Without these numbers the rank counts. Approximate transforms, which have no motion, are left out.
     """
-    waiting = sorted((row for row in rows if row.swing), key=lambda row: (row.swings_flat is False, row.rank))
+    waiting = [row for row in rows if row.swing]
     shown: list[TransformRow] = []
     things: set[str] = set()
     while waiting and len(shown) < FIRST:
-        best = min(waiting, key=lambda row: sum(name in things for name in _things(row)))
+        best = min(
+            waiting, key=lambda row: (len(_things(row) & things), row.swings_flat is False, -_worth(row), row.rank)
+        )
         waiting.remove(best)
         shown.append(best)
-        things.update(_things(best))
+        things |= _things(best)
     return shown
 
 
-def _things(row: TransformRow) -> tuple[str, str]:
-    return row.class_p or row.name_p, row.class_q or row.name_q
+def _things(row: TransformRow) -> set[str]:
+    return {row.class_p or row.name_p, row.class_q or row.name_q}
+
+
+def _worth(row: TransformRow) -> float:
+    worth = row.surprise * max(row.margin, 0.0)
+    return worth if math.isfinite(worth) else 0.0

@@ -49,7 +49,7 @@ ORDERS: Mapping[str, SortOrder] = {
 class GalleryItem:
     """A transform of the list, and what the script reads: values by `ORDERS`, numbers of classes, and marks.
 
-    Marks are one letter each: f = swings flat, l = lifts, a = approximate, c = chosen, p = has a puzzle.
+    Marks are one letter each: f = swings flat, l = lifts, a = approximate, p = has a puzzle.
     """
 
     row: TransformRow
@@ -103,12 +103,7 @@ def listed_classes(rows: Sequence[TransformRow]) -> list[str]:
 
 
 def _item(row: TransformRow, classes: Mapping[str, int], printed: bool) -> GalleryItem:
-    marks = (
-        {None: "", True: "f", False: "l"}[row.swings_flat]
-        + "a" * row.approximate
-        + "c" * bool(row.chosen)
-        + "p" * printed
-    )
+    marks = {None: "", True: "f", False: "l"}[row.swings_flat] + "a" * row.approximate + "p" * printed
     values = " ".join(_value(order.value(row)) for order in ORDERS.values())
     return GalleryItem(row, values, " ".join(str(classes[kind]) for kind in row.classes), marks)
 
@@ -118,7 +113,6 @@ def _filters(rows: Sequence[TransformRow], printed: bool) -> Filters:
     boxes = (
         ("flat", "f", "swings flat", any(row.swings_flat is not None for row in rows)),
         ("exact", "!a", "exact", any(row.approximate for row in rows)),
-        ("chosen", "c", "chosen", len({row.chosen for row in rows}) > 1),
         ("puzzle", "p", "has a puzzle", printed),
     )
     return Filters(

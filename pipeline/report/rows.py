@@ -73,8 +73,6 @@ class TransformRow:
     max_strain_q: float
     swings_flat: bool | None
     """None = not planned."""
-    chosen: bool | None
-    """Whether it is among those that the selection shows first; None = the selection does not choose."""
 
     @property
     def classes(self) -> tuple[str, ...]:

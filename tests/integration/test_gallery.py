@@ -200,6 +200,8 @@ def test_the_first_are_of_different_things_and_swing(rows):
     assert len(first) == FIRST and first[0].rank == rows[1].rank  # the best one lifts, the next swings flat
     things = [{row.class_p, row.class_q} for row in first[:3]]
     assert not things[0] & things[1] and not things[0] & things[2] and not things[1] & things[2]
+    rated = [replace(row, surprise=0.01 * row.rank, margin=0.5) for row in rows[:50]]
+    assert first_transforms(rated)[0].rank == 50 - (rated[-1].swings_flat is False)
     paper = [replace(row, status="approximate") for row in rows]
     assert first_transforms(paper) == [] == first_transforms([])
     alike = [replace(row, class_p="", class_q="", name_p="a", name_q="b") for row in rows[:9]]
