@@ -234,6 +234,7 @@ def test_a_gallery_sorts_by_what_the_run_has(rows):
 
     assert not {"surprise", "strain", "recognised"} & set(offered(rows))
     rich = [replace(row, surprise=0.5, margin=0.25, rms_strain=0.01) for row in rows]
+    assert "bent 1.0" in index("some", rich[:1]) and "bent" not in index("some", rows[:1])
     assert offered(rich)[:5] == ["rank", "recognised", "iou", "strain", "surprise"]
 
 
