@@ -151,7 +151,7 @@ def made_up(item: WorkItem) -> Artifact:
     """An artifact of its own for each item, with what the plan of later stages reads of it."""
     document = {"of": [item.stage, *item.members], "status": "certified", "iou_p": 0.9, "iou_q": 0.9}
     pairs = np.array(PAIRS if item.stage == "select" else np.empty((0, 2)), dtype=np.int64)
-    positions = np.arange(TOP if item.stage == "shortlist" else 0)
+    positions = np.arange(TOP if item.stage in ("shortlist", "choose") else 0)
     return Artifact({"pairs": pairs, "score": np.ones(len(pairs)), "positions": positions}, document)
 
 
@@ -171,15 +171,15 @@ class Edit:
 
 
 ALL = frozenset(stage.name for stage in STAGES) - {
-    "shards", "partners", "pairs", "paper", "paint", "fabricate", "margin",
+    "shards", "partners", "pairs", "paper", "paint", "fabricate", "margin", "swing",
 }  # fmt: skip
 """The stages of a usual run that makes no pictures; what is made up has no transform of which a margin could be."""
 OF_SHAPES = frozenset(stage.name for stage in STAGES if stage.scope == "batch")
 RATED = OF_SHAPES - {"trunks"} | {"near_duplicates", "modes"}
 """Stages that look for no trunks."""
-STATIC = OF_SHAPES | {"qcrs"}
-TRUNKS_ON = frozenset({"qcrs", "select"})
-CROSS_ON = frozenset({"crs", "refine", "shortlist", "bend", "construct", "motion"})
+STATIC = OF_SHAPES | {"qcrs", "qcrs_rare"}
+TRUNKS_ON = frozenset({"qcrs", "qcrs_rare", "select"})
+CROSS_ON = frozenset({"crs", "refine", "shortlist", "bend", "construct", "choose", "motion"})
 
 
 def _code(module: str, old: str, new: str, again: Iterable[str], changed: str = "") -> Edit:
@@ -217,9 +217,11 @@ CODE = [
     _code("riot.geometry.polyline", "def signed_area(", "def other_area(", ALL),
     _code("riot.scores.trunks", "def quick_trunks(", "LIMIT = 1\n\n\ndef quick_trunks(", ALL - RATED),
     _code("riot.scores.crs", "AREA_SLACK = 2e-3", "AREA_SLACK = 3e-3", CROSS_ON),
-    _code("pipeline.stages.qcrs", "def run(", "@staticmethod\ndef run(", TRUNKS_ON, ":run"),
+    _code("pipeline.stages.qcrs", "def run(", "@staticmethod\ndef run(", {"qcrs", "select"}, ":run"),
     _code("pipeline.stages.motion", "def run(", "@staticmethod\ndef run(", {"motion"}, ":run"),
-    _code("pipeline.stages.construct", "def run(", "@staticmethod\ndef run(", {"construct", "motion"}, ":run"),
+    _code(
+        "pipeline.stages.construct", "def run(", "@staticmethod\ndef run(", {"construct", "choose", "motion"}, ":run"
+    ),
     *(_code(module, FUTURE, f"{FUTURE}EDITED = 1\n", ()) for module in SHOWN),
     *(_code(f"pipeline.stages.{stage}", "def items(", "@staticmethod\ndef items(", ()) for stage in ("qcrs", "motion")),
     _code("pipeline.stages.crs", '"area terms evaluated"', '"area terms"', ()),
@@ -240,7 +242,7 @@ PARAMETERS = [
     _parameter(
         "parameters.select.top 100 → 7",
         lambda c: replace(c, select=replace(c.select, top=7)),
-        {"select", "shortlist"},
+        {"select", "shortlist", "choose"},
     ),
     _parameter(
         "parameters.shape.spacing 100.0 → 99.0", lambda c: replace(c, shape=replace(c.shape, spacing=99.0)), ALL

@@ -68,10 +68,12 @@ def _rows(outcome: RunOutcome, name: str) -> list[Row]:
 
 def _counts(outcome: RunOutcome) -> str:
     run_counts = counts(outcome.results)
+    constructed = f"{run_counts['constructed']:,} constructed"
     parts = [
         several(run_counts["shapes"], "shape"),
         several(run_counts["pairs"], "pair") + " scored",
         f"{run_counts['selected']:,} selected",
+        *([constructed] if outcome.results.config.select.policy == "varied" else []),
         several(run_counts["certified"], "transform") + " certified",
     ]
     if run_counts["approximate"]:
@@ -89,16 +91,19 @@ def _best(outcome: RunOutcome, most: int | None) -> Iterator[str]:
             _short(row["name_i"]),
             _short(row["name_j"]),
             str(row["n"]),
+            "–" if row["margin"] is None else f"{row['margin']:.2f}",
             f"{row['iou']:.3f}",
             f"{min(row['bound_p'], row['bound_q']):.3f}",
             f"{row['crs']:.3f}",
             f"{row['qcrs']:.3f}",
         )
-        for row in [row for row in rows if row["status"] != "rejected"][:most]
+        for row in [row for row in rows if row["chosen"] and row["status"] != "rejected"][:most]
     ]
     if shown:
-        columns = ("", "P", "Q", "pieces", "IoU", "bound", "CRS", "QCRS")
-        yield from Table(columns, shown, "Best transforms, least deformed first", left=("P", "Q")).lines()
+        columns = ("", "P", "Q", "pieces", "margin", "IoU", "bound", "CRS", "QCRS")
+        varied = outcome.results.config.select.policy == "varied"
+        title = "Best transforms, what shows something new first" if varied else "Best transforms, least deformed first"
+        yield from Table(columns, shown, title, left=("P", "Q")).lines()
     rejected = Counter(row["reason"] for row in rows if row["status"] == "rejected")
     if rejected:
         yield f"Rejected: {', '.join(f'{count} × {reason}' for reason, count in rejected.most_common())}."

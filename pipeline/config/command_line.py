@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from pipeline.config.build import make_config, unknown_name
-from pipeline.config.conf_files import CONF, allowed_names, group_choices, parameter_groups
+from pipeline.config.conf_files import CONF, allowed_names, group_choices, list_names, parameter_groups
 from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
 from pipeline.store.keys import digest_text
@@ -22,6 +22,8 @@ with needs_extra("mine"):
 
 HYDRA_BASE = "1.3"
 SUGAR = {"--plan": "plan=true", "--explain": "explain=true"}
+WITH = {"select.with=": "select.shapes="}
+"""A parameter that goes by another name in Python, of which ``with`` is a word."""
 SWEEP = frozenset({"-m", "--multirun"})
 NO_DATASET = "+dataset=sample"
 NAME_LENGTH = 200
@@ -34,8 +36,17 @@ def complete(arguments: Sequence[str]) -> list[str]:
     ['plan=true', '+dataset=folder', 'dataset.root=pictures']
     >>> complete(["batch=8", "-m"])
     ['-m', 'batch=8', '+dataset=sample']
+
+    Outside of a sweep, a list needs no brackets.
+
+    >>> complete(["select.classes=bird,fish"])
+    ['select.classes=[bird,fish]', '+dataset=sample']
     """
     spelled = [SUGAR.get(argument, argument) for argument in arguments]
+    for name, other in WITH.items():
+        spelled = [argument.replace(name, other, 1) if argument.startswith(name) else argument for argument in spelled]
+    if not is_multirun(arguments):
+        spelled = [_with_brackets(argument) for argument in spelled]
     spelled = ["+" + argument if argument.startswith("dataset=") else argument for argument in spelled]
     if not any(argument.startswith("+dataset=") for argument in spelled):
         last = max((index for index, argument in enumerate(spelled) if _is_value(argument)), default=len(spelled) - 1)
@@ -132,6 +143,12 @@ def sweep_point(arguments: Sequence[str], chosen: Sequence[str]) -> str:
     full_name = ",".join(override for override in overrides if override.partition("=")[0] in named_parameters)
     name = re.sub(r"[^\w.=,+-]+", "-", full_name)[:NAME_LENGTH]
     return name if name == full_name else f"{name}~{digest_text(full_name)[:8]}"
+
+
+def _with_brackets(argument: str) -> str:
+    name, _, value = argument.partition("=")
+    bare = "," in value and not value.startswith(("[", "'", '"'))
+    return f"{name}=[{value}]" if bare and name in list_names() else argument
 
 
 def _is_value(argument: str) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, get_origin, get_type_hints
 
 from pipeline.config.schema import Config
 from pipeline.errors import ConfigError
@@ -35,6 +35,20 @@ def allowed_names() -> list[str]:
         group = groups.get(field.name)
         names += [f"{field.name}.{own.name}" for own in dataclasses.fields(group)] if group else [field.name]
     return names
+
+
+def list_names() -> list[str]:
+    """The parameters of `allowed_names` that are lists.
+
+    >>> "select.classes" in list_names(), "select.top" in list_names()
+    (True, False)
+    """
+    return [
+        f"{name}.{own}"
+        for name, group in parameter_groups().items()
+        for own, kind in get_type_hints(group).items()
+        if get_origin(kind) is tuple
+    ]
 
 
 def group_choices() -> dict[str, list[str]]:

@@ -119,7 +119,9 @@ def read_run(folder: Path) -> ReportedRun:
         )
     facts = json.loads((folder / RECORD).read_text(encoding="utf-8"))
     tables_read = {name: rows(folder, name) for name in ("transforms", "fabrications", "errors", "timings")}
-    transforms = tuple(typed_row(TransformRow, row) for row in tables_read["transforms"])
+    # The report shows what the run chose, and what it could not make.
+    shown = (row for row in tables_read["transforms"] if row["chosen"] is not False or not row["file"])
+    transforms = tuple(typed_row(TransformRow, row) for row in shown)
     # Closing over the count keeps the pass over all pairs a single one.
     pairs_without_trunks = [0]
 

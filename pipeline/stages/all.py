@@ -15,6 +15,7 @@ from pipeline.plan.code_digest import code_digests, edited_since_start, library_
 from pipeline.plan.progress import Progress, begin
 from pipeline.plan.work_item import Recipe
 from pipeline.stages.stage import Stage
+from pipeline.stages.wishes import check_wishes
 from pipeline.store.artifact import canonical_json
 from pipeline.store.reader import ArtifactReader
 from pipeline.store.store import Store
@@ -54,7 +55,11 @@ def recipes(config: Config) -> dict[str, Recipe]:
 
 
 def begin_run(config: Config, collection: Collection, store: Store) -> Progress:
-    """A run before its first stage, which reads what earlier stages found from ``store``, small artifacts once."""
+    """A run before its first stage, which reads what earlier stages found from ``store``, small artifacts once.
+
+    Raises `StartError` for a wish that names what the collection lacks.
+    """
+    check_wishes(config.select, collection.items)
     read = ArtifactReader(store.get)
     return begin(config, collection, recipes(config), lambda item: read(*item.reference))
 

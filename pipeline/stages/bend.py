@@ -120,6 +120,7 @@ STAGE = Stage(
     run=run,
     scope="pair",
     known_after="shortlist",
+    at_most=lambda config: config.select.constructed,
     wanted=bends,
     bundle=4,
 )

@@ -189,6 +189,7 @@ STAGE = Stage(
     run=run,
     scope="pair",
     known_after="shortlist",
+    at_most=lambda config: config.select.constructed,
     tables=(
         TableColumns(
             "transforms",

@@ -122,7 +122,7 @@ STAGE = Stage(
     run=run,
     scope="pair",
     known_after="select",
-    at_most=lambda config: config.select.breadth * config.select.top,
+    at_most=lambda config: config.select.selected,
     bundle=4,
     tables=(
         TableColumns(

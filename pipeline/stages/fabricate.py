@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.construct import least_deformed
+from pipeline.stages.choose import best_certified
 from pipeline.stages.planning import after_motion
 from pipeline.stages.shape_arrays import ErrorRow, attempt
 from pipeline.stages.stage import Column, Stage, TableColumns
@@ -102,9 +102,9 @@ def _measured(puzzle: BuiltPuzzle) -> dict[str, Any]:
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for each of the least deformed certified transforms; with paperwork, from their pictures too."""
+    """A work item for each of the best certified transforms; with paperwork, from their pictures too."""
     motions = {item.members: item for item in progress.work["motion"]}
-    best = [motions[item.members] for item in least_deformed(progress, progress.config.fabricate.top)]
+    best = [motions[item.members] for item in best_certified(progress, progress.config.fabricate.top)]
     if not progress.config.fabricate.paper:
         return [progress.recipes["fabricate"].after(motion) for motion in best]
     return [after_motion(progress, "fabricate", motion) for motion in best]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,16 +14,28 @@ from pipeline.stages.shape_arrays import ErrorRow, attempt_each
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from riot import scores
+from riot.geometry.shape import Shape
+
+if TYPE_CHECKING:
+    from riot.scores.descriptor import Descriptor
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
-    """Batch → ``described`` (k,) bool, and the arrays of the `DescriptorIndex` of those described, in order."""
+    """Batch → ``described`` (k,) bool; of those described, in order, ``elongation`` and a `DescriptorIndex`."""
     (batch,) = inputs
     errors: list[ErrorRow] = []
-    descriptors = attempt_each(batch, scores.descriptor.descriptor, errors)
-    described = np.array([item is not None for item in descriptors], dtype=np.bool_)
-    stacked = scores.likeness.DescriptorIndex.build([item for item in descriptors if item is not None])
-    return Artifact({"described": described, **stacked.to_arrays()}, {"errors": errors})
+    results = attempt_each(batch, _described, errors)
+    described = [result for result in results if result is not None]
+    stacked = scores.likeness.DescriptorIndex.build([descriptor for descriptor, _ in described])
+    arrays = {
+        "described": np.array([result is not None for result in results], dtype=np.bool_),
+        "elongation": np.array([elongation for _, elongation in described], dtype=np.float64),
+    }
+    return Artifact({**arrays, **stacked.to_arrays()}, {"errors": errors})
+
+
+def _described(shape: Shape) -> tuple[Descriptor, float]:
+    return scores.descriptor.descriptor(shape), scores.surprise.elongation(shape.points)
 
 
 def items(progress: Progress) -> list[WorkItem]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages.collected import Collected
 from pipeline.stages.shape_arrays import ErrorRow, attempt
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
@@ -18,15 +19,14 @@ from riot import scores, transform
 from riot.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from riot.scores.likeness import DescriptorIndex, Margin
+    from riot.scores.likeness import Margin
 
 
 @dataclass(frozen=True)
 class Things:
-    """The shapes of a collection: index, positions and groups of its shapes, and their names."""
+    """The shapes of a collection; groups and names are of those in the index."""
 
-    index: DescriptorIndex
-    positions: IntArray
+    collected: Collected
     groups: IntArray
     names: tuple[str, ...]
 
@@ -35,21 +35,19 @@ def prepare(artifact: Artifact) -> Things | Artifact:
     """The shapes of a collection; a construction as it is."""
     if "positions" not in artifact.arrays:
         return artifact
-    return Things(
-        scores.likeness.DescriptorIndex.from_arrays(artifact.arrays),
-        np.asarray(artifact.arrays["positions"]),
-        np.asarray(artifact.arrays["group"]),
-        tuple(artifact.document["names"]),
-    )
+    count = int(artifact.arrays["positions"].max(initial=-1)) + 1
+    collected = Collected.of(artifact.arrays, count)
+    return Things(collected, np.asarray(artifact.arrays["group"]), tuple(artifact.document["names"]))
 
 
 def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: tuple[int, int]) -> Artifact:
-    """A construction and the collection → a document: margins of both results, and the names of the nearest others."""
+    """A construction and the collection → a document: surprise, margins of both results, nearest others."""
     constructed, things = inputs
     (settings,) = parameters
     puzzle = transform.riot_file.from_json(constructed.document["riot"])
     errors: list[ErrorRow] = []
-    row: dict[str, Any] = {}
+    i, j = np.array(spec)[:, None]
+    row: dict[str, Any] = {"surprise": float(things.collected.surprise(i, j, mirrored=settings.mirrored)[0])}
     for side, outline, position in (("p", puzzle.outline_p(), spec[0]), ("q", puzzle.outline_q(), spec[1])):
         margin = attempt(0, lambda o=outline, k=position: _margin(o, k, things, settings.mirrored), errors)  # type: ignore[misc]
         if margin is not None and margin.nearest >= 0:
@@ -60,9 +58,9 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: tuple[int, int])
 
 
 def _margin(outline: FloatArray, position: int, things: Things, mirrored: bool) -> Margin:
-    number = int(np.searchsorted(things.positions, position))
+    number, index = int(things.collected.number[position]), things.collected.index
     described = scores.descriptor.outline_descriptor(outline)
-    return scores.likeness.margin(described, number, things.index, things.groups, mirrored=mirrored)
+    return scores.likeness.margin(described, number, index, things.groups, mirrored=mirrored)
 
 
 def items(progress: Progress) -> list[WorkItem]:
@@ -100,6 +98,7 @@ STAGE = Stage(
     scope="pair",
     prepare=prepare,
     known_after="construct",
+    at_most=lambda config: config.select.constructed,
     bundle=32,
     tables=(
         TableColumns(
@@ -110,6 +109,7 @@ STAGE = Stage(
                 Column("margin_q", "float64", f"of Q: {MARGIN}", "1"),
                 Column("other_p", "string", f"of P: {OTHER}"),
                 Column("other_q", "string", f"of Q: {OTHER}"),
+                Column("surprise", "float64", "how much the two inputs differ, in descriptor and elongation", "1"),
             ),
             _row,
         ),

@@ -87,6 +87,6 @@ STAGE = Stage(
     scope="shape",
     known_after="shortlist",
     wanted=bends,
-    at_most=lambda config: 2 * config.select.top,
+    at_most=lambda config: 2 * config.select.constructed,
     bundle=16,
 )

@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.construct import certified
+from pipeline.stages.choose import chosen_certified
 from pipeline.stages.shape_arrays import ErrorRow, attempt
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
@@ -33,8 +33,8 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Ar
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for each certified construction, in order."""
-    return [progress.recipes["motion"].after(item) for item in certified(progress)]
+    """A work item for each chosen construction that is certified, in order."""
+    return [progress.recipes["motion"].after(item) for item in chosen_certified(progress)]
 
 
 def _row(artifact: Artifact) -> Mapping[str, Any]:
@@ -44,7 +44,7 @@ def _row(artifact: Artifact) -> Mapping[str, Any]:
 STAGE = Stage(
     name="motion",
     unit="certified transforms",
-    after=("construct",),
+    after=("construct", "choose"),
     parameters=("motion",),
     items=items,
     run=run,

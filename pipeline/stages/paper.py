@@ -9,7 +9,8 @@ import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.construct import Spec, least_deformed
+from pipeline.stages.choose import best_certified
+from pipeline.stages.construct import Spec
 from pipeline.stages.modes import bends
 from pipeline.stages.refine import unpack_plans
 from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
@@ -76,9 +77,9 @@ def _row(paper: Transform) -> dict[str, Any]:
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for each of the least deformed certified constructions, in order."""
+    """A work item for each of the best certified constructions, in order."""
     recipe = progress.recipes["paper"]
-    best = least_deformed(progress, progress.config.compare)
+    best = best_certified(progress, progress.config.compare)
     if not bends(progress.config):
         return [recipe.after(item) for item in best]
     return [

@@ -1,4 +1,4 @@
-"""Plan stages that have a work item for each work item of another stage."""
+"""Plan stages that have a work item for each work item of another stage, or for every two."""
 
 from __future__ import annotations
 
@@ -11,6 +11,27 @@ def after_each(progress: Progress, stage: str, earlier: str) -> list[WorkItem]:
     """A work item for each one of the stage ``earlier``, done or not, that reads the artifact of that one alone."""
     recipe = progress.recipes[stage]
     return [recipe.after(item) for item in progress.work[earlier]]
+
+
+def between_batches(progress: Progress, stage: str) -> list[WorkItem]:
+    """A work item for every two batches of trunks, and for each one with itself; ``spec`` says which of both."""
+    recipe, trunks = progress.recipes[stage], progress.work["trunks"]
+    blocks = []
+    for a, first in enumerate(trunks):
+        for b, second in enumerate(trunks[a:], start=a):
+            both = (first,) if a == b else (first, second)
+            m, n = len(first.members), len(second.members)
+            blocks.append(
+                recipe.item(
+                    recipe.parts([item.key for item in both]),
+                    [item.reference for item in both],
+                    spec=a == b,
+                    members=[position for item in both for position in item.members],
+                    block=(a, b),
+                    pairs=m * (m - 1) // 2 if a == b else m * n,
+                )
+            )
+    return blocks
 
 
 def after_motion(progress: Progress, stage: str, motion: WorkItem) -> WorkItem:

@@ -12,6 +12,7 @@ from pipeline.config.schema import Config
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages.planning import between_batches
 from pipeline.stages.stage import Column, Stage, SubBlocks, TableColumns
 from pipeline.stages.trunk_arrays import unpack_batch_trunks
 from pipeline.store.artifact import Artifact
@@ -61,23 +62,7 @@ def _rows(block: BlockScores) -> Artifact:
 
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for every two batches, and for each batch with itself."""
-    recipe, trunks = progress.recipes["qcrs"], progress.work["trunks"]
-    blocks = []
-    for a, first in enumerate(trunks):
-        for b, second in enumerate(trunks[a:], start=a):
-            both = (first,) if a == b else (first, second)
-            m, n = len(first.members), len(second.members)
-            blocks.append(
-                recipe.item(
-                    recipe.parts([item.key for item in both]),
-                    [item.reference for item in both],
-                    spec=a == b,
-                    members=[position for item in both for position in item.members],
-                    block=(a, b),
-                    pairs=m * (m - 1) // 2 if a == b else m * n,
-                )
-            )
-    return blocks
+    return between_batches(progress, "qcrs")
 
 
 def scores_all(config: Config) -> bool:

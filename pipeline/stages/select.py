@@ -1,20 +1,27 @@
-"""Selection: which pairs go on to CRS, by policy, block by block (paper §5.3; ``global`` and breadth are ours)."""
+"""Selection: which pairs go on to CRS, by policy, block by block (paper §5.3; other policies and breadth are ours)."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from itertools import chain
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages.collected import Collected
+from pipeline.stages.pool import Rows, fill_pool
 from pipeline.stages.stage import Stage
-from pipeline.store.artifact import Artifact
+from pipeline.stages.wishes import WishedShapes, wished_shapes
+from pipeline.store.artifact import AnyArray, Artifact
 from pipeline.store.keys import digest_text
 from riot.types import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from pipeline.config.schema import SelectConfig
 
 Block = tuple[IntArray, IntArray, FloatArray]
 """Pairs of one block: i, j (positions in the collection, i < j) and score."""
@@ -38,14 +45,18 @@ GROWTH = 8
 class Selecting:
     """What selection reads of the collection.
 
-    ``classes`` are by position, ``starts`` the positions of the batches' first shapes, ``blocks`` and ``rated`` the
-    numbers of the batches of each input.
+    ``classes`` are by position, ``starts`` the positions of the batches' first shapes. The inputs are, in this order,
+    scores of ``blocks``, scores of the blocks ``rare``, and reversibility of ``rated``, all by numbers of batches, and,
+    if it is ``described``, the collection. ``wishes`` are the pairs that the user wants.
     """
 
     classes: tuple[str, ...]
     starts: tuple[int, ...]
     blocks: tuple[tuple[int, int], ...]
+    rare: tuple[tuple[int, int], ...]
     rated: tuple[int, ...]
+    described: bool
+    wishes: WishedShapes
 
 
 @dataclass(frozen=True)
@@ -150,32 +161,80 @@ def _best(held: Sequence[Block], limit: int) -> Block:
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) -> Artifact:
-    """Blocks of scores, then the batches' reversibility → ``pairs`` (p, 2) int64, best first, ``score`` (p,).
+    """The inputs that `Selecting` lists → ``pairs`` (p, 2) int64, best first, ``score`` (p,): QCRS.
 
     Only one input is in memory at a time: there are as many as blocks.
     """
-    (settings,) = parameters
-    breadth = settings.breadth
-    scored, rated = inputs[: len(spec.blocks)], inputs[len(spec.blocks) :]
+    settings, mirrored = parameters
+    ends = np.cumsum([len(spec.blocks), len(spec.rare), len(spec.rated)]).tolist()
+    scored, rare, rated = inputs[: ends[0]], inputs[ends[0] : ends[1]], inputs[ends[1] : ends[2]]
+    wished = spec.wishes.of(len(spec.classes))
 
-    def blocks() -> Iterator[Block]:
-        for (a, b), block in zip(spec.blocks, scored, strict=True):
+    def rows(numbers: Sequence[tuple[int, int]], artifacts: Sequence[Artifact]) -> Iterator[Rows]:
+        for (a, b), block in zip(numbers, artifacts, strict=True):
             i = block.arrays["i"].astype(np.int64) + spec.starts[a]
             j = block.arrays["j"].astype(np.int64) + spec.starts[b]
-            yield i, j, np.asarray(block.arrays["score"])
+            score, n = np.asarray(block.arrays["score"]), block.arrays["n"].astype(np.int64)
+            yield Rows(i, j, score, n).at(wished(i, j))
 
-    if settings.policy == "paper":
+    def blocks() -> Iterator[Block]:
+        return (block[:3] for block in rows(spec.blocks, scored))
+
+    if settings.policy == "varied":
+        every = chain(rows(spec.blocks, scored), rows(spec.rare, rare))
+        things = inputs[-1].arrays if spec.described else {}
+        chosen = _scored(select_varied(every, spec.classes, things, settings, mirrored), blocks())
+    elif settings.policy == "paper":
         ratings = np.full(len(spec.classes), np.nan)
         for number, batch in zip(spec.rated, rated, strict=True):
             start = spec.starts[number]
             ratings[start : start + len(batch.arrays["score"])] = batch.arrays["score"]
-        chosen = select_paper(blocks(), spec.classes, ratings, breadth * settings.top)
+        chosen = select_paper(blocks(), spec.classes, ratings, settings.breadth_of_policy * settings.top)
     else:
-        limits = SelectionLimits(
-            *(breadth * most for most in (settings.top, settings.per_class_pair, settings.per_shape))
-        )
+        widened = (settings.top, settings.per_class_pair, settings.per_shape)
+        limits = SelectionLimits(*(settings.breadth_of_policy * most for most in widened))
         chosen = select_global(blocks, spec.classes, limits)
     return Artifact({"pairs": chosen.pairs, "score": chosen.score})
+
+
+def select_varied(
+    blocks: Iterator[Rows],
+    classes: Sequence[str],
+    things: Mapping[str, AnyArray],
+    settings: SelectConfig,
+    mirrored: bool,
+) -> IntArray:
+    """(k, 2) pairs of different classes for the pool (`fill_pool`), within the wishes for pieces and surprise.
+
+    ``things`` are the arrays of the stage ``near_duplicates``, or none: then each shape is like no other.
+    """
+    collected, label = Collected.of(things, len(classes)), labels(classes)
+
+    def wanted(block: Rows) -> Rows:
+        keep = (block.score > 0) & (label[block.i] != label[block.j])
+        if settings.pieces:
+            keep &= np.isin(block.n, settings.pieces)
+        block = block.at(keep)
+        if settings.min_surprise > 0:
+            surprise = collected.surprise(block.i, block.j, mirrored=mirrored)
+            block = block.at(surprise >= settings.min_surprise)
+        return block
+
+    return fill_pool(map(wanted, blocks), collected.cluster, label, settings.breadth_of_policy * settings.top)
+
+
+def _scored(pairs: IntArray, blocks: Iterator[Block]) -> Chosen:
+    """Pairs by falling QCRS, ties by pair; a pair enters the pool by its trunks of one n, which may score less."""
+    order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+    pairs = pairs[order]
+    count = int(pairs.max(initial=0)) + 1
+    keys, score = pairs[:, 0] * count + pairs[:, 1], np.zeros(len(pairs))
+    for i, j, block_score in blocks:
+        within = np.flatnonzero((i < count) & (j < count))
+        _, at, rows = np.intersect1d(keys, i[within] * count + j[within], assume_unique=True, return_indices=True)
+        score[at] = block_score[within[rows]]
+    order = np.argsort(-score, kind="stable")
+    return Chosen(pairs[order], score[order])
 
 
 def items(progress: Progress) -> list[WorkItem]:
@@ -189,11 +248,15 @@ def items(progress: Progress) -> list[WorkItem]:
         blocks = dict.fromkeys([(0, 0)], progress.work["pairs"][0]) if progress.batches else {}
     else:
         blocks = {item.block: item for item in progress.finished("qcrs") if item.block is not None}
-    ratings = progress.work["reversibility"]
+    varied = progress.config.select.policy == "varied"
+    rare = {item.block: item for item in progress.finished("qcrs_rare") if item.block is not None}
+    ratings = progress.work["reversibility"] if not varied else ()
     rated = [number for number, item in enumerate(ratings) if item.reference in progress.done]
-    sources = [*blocks.values(), *(ratings[number] for number in rated)]
+    things = progress.finished("near_duplicates") if varied else []
+    sources = [*blocks.values(), *rare.values(), *(ratings[number] for number in rated), *things]
     starts = tuple(batch.start for batch in progress.batches)
-    spec = Selecting(progress.classes, starts, tuple(blocks), tuple(rated))
+    wishes = wished_shapes(progress.config.select, progress.items)
+    spec = Selecting(progress.classes, starts, tuple(blocks), tuple(rare), tuple(rated), bool(things), wishes)
     recipe = progress.recipes["select"]
     # A digest instead of the spec keeps the classes out of the manifest.
     parts = recipe.parts([item.key for item in sources], digest_text(repr(spec)))
@@ -211,8 +274,8 @@ def selected(progress: Progress) -> Chosen:
 STAGE = Stage(
     name="select",
     unit="selection",
-    after=("qcrs", "pairs", "reversibility"),
-    parameters=("select",),
+    after=("qcrs", "qcrs_rare", "pairs", "reversibility", "near_duplicates"),
+    parameters=("select", "likeness.mirrored"),
     items=items,
     run=run,
     scope="collection",

@@ -7,25 +7,37 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages.collected import Collected
+from pipeline.stages.cover import greedy_cover, groups_of
 from pipeline.stages.refine import bound
 from pipeline.stages.select import SelectionLimits, greedy, labels
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import digest_text
+from riot.parameters import LikenessParameters
+from riot.types import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from pipeline.config.schema import SelectConfig
 
 
 @dataclass(frozen=True)
 class Refined:
-    """What the shortlist reads: classes by position, and the pair of positions of each input."""
+    """What the shortlist reads: classes by position, and the pair of positions of each input.
+
+    If the collection is ``described``, the last input are its clusters.
+    """
 
     classes: tuple[str, ...]
     pairs: tuple[tuple[int, int], ...]
+    described: bool
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Refined) -> Artifact:
@@ -34,7 +46,13 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Refined) ->
     Pairs are taken greedily by falling bound within the limits of ``select`` (policy ``paper`` has none); equal bounds
     in order of selection. A pair without a plan is taken only if there are too few others.
     """
-    (settings,) = parameters
+    settings, likeness = parameters
+    if settings.policy == "varied":
+        things = inputs[-1].arrays if spec.described else {}
+        collected = Collected.of(things, len(spec.classes))
+        bounds = np.array([_bound(plans, settings.pieces) for plans in inputs[: len(spec.pairs)]])
+        pairs = np.array(spec.pairs, dtype=np.int64).reshape(-1, 2)
+        return Artifact({"positions": varied(bounds, pairs, spec.classes, collected, settings, likeness)})
     bounds = np.array([bound(plans) for plans in inputs])
     order = np.argsort(-bounds, kind="stable")
     pairs = np.array(spec.pairs, dtype=np.int64).reshape(-1, 2)[order]
@@ -46,13 +64,46 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Refined) ->
     return Artifact({"positions": order[np.array(ranks, dtype=np.int64)]})
 
 
+def varied(
+    bounds: FloatArray,
+    pairs: IntArray,
+    classes: Sequence[str],
+    collected: Collected,
+    settings: SelectConfig,
+    likeness: LikenessParameters,
+) -> IntArray:
+    """Rows of the pairs (k, 2) to choose from: in turn the next of those whose trunks allow the least deformation, and
+    the next of a cover of what they show.
+
+    Bounds say little of how well a result is recognised, hence the cover; without the other list it would pass by the
+    best of what has been shown. Of near-duplicates only the pair of greatest bound counts.
+    """
+    distinct = collected.distinct(pairs, bounds, likeness)
+    possible = distinct[bounds[distinct] > 0]
+    by_bound = possible[np.argsort(-bounds[possible], kind="stable")].tolist()
+    groups = groups_of(pairs[possible], classes, collected.cluster)
+    by_cover = possible[greedy_cover(bounds[possible], groups, settings.constructed)].tolist()
+    turns = (row for both in zip_longest(by_bound, by_cover) for row in both if row is not None)
+    return np.array([*dict.fromkeys(turns)][: settings.constructed], dtype=np.int64)
+
+
 def items(progress: Progress) -> list[WorkItem]:
     """One work item, over the pairs whose trunks are refined."""
     recipe, refined = progress.recipes["shortlist"], progress.finished("refine")
     pairs = tuple((item.members[0], item.members[1]) for item in refined)
-    spec = Refined(progress.classes, pairs)
-    parts = recipe.parts([item.key for item in refined], digest_text(repr(spec)))
-    return [recipe.item(parts, [item.reference for item in refined], spec=spec)]
+    things = progress.finished("near_duplicates") if progress.config.select.policy == "varied" else []
+    spec = Refined(progress.classes, pairs, bool(things))
+    sources = [*refined, *things]
+    parts = recipe.parts([item.key for item in sources], digest_text(repr(spec)))
+    return [recipe.item(parts, [item.reference for item in sources], spec=spec)]
+
+
+def _bound(plans: Artifact, pieces: Sequence[int]) -> float:
+    """The greatest IoU of the worse shape that a plan of so many pieces allows, of any number without ``pieces``."""
+    if not pieces:
+        return bound(plans)
+    allowed = np.isin(np.diff(plans.arrays["offsets"]), pieces)
+    return float(plans.arrays["bounds"].min(axis=1)[allowed].max(initial=0.0))
 
 
 def shortlisted(progress: Progress) -> list[int]:
@@ -66,7 +117,7 @@ STAGE = Stage(
     name="shortlist",
     unit="selection",
     after=("refine",),
-    parameters=("select",),
+    parameters=("select", "likeness"),
     items=items,
     run=run,
     scope="collection",

@@ -46,6 +46,6 @@ STAGE = Stage(
     run=run,
     scope="shape",
     known_after="select",
-    at_most=lambda config: 2 * config.select.breadth * config.select.top,
+    at_most=lambda config: 2 * config.select.selected,
     bundle=16,
 )

@@ -62,11 +62,13 @@ def choose(
 
 
 def reversible_pairs(finished: StudiedRun, count: int, rng: np.random.Generator) -> list[QuizPair]:
-    """Certified transforms by lot from the half of highest IoU, and from the others if these are too few.
+    """Chosen certified transforms by lot from the half of highest rank, and from the others if these are too few.
 
     No shape is in two of them, nor, as long as there are others, is a pair of classes. Raises `StartError`.
     """
-    certified = [row for row in finished.table("transforms").to_pylist() if row["status"] == "certified"]
+    certified = [
+        row for row in finished.table("transforms").to_pylist() if row["chosen"] and row["status"] == "certified"
+    ]
     best = (len(certified) + 1) // 2
     lots = [certified[k] for k in rng.permutation(best).tolist()] + certified[best:]
     chosen: list[QuizPair] = []

@@ -45,13 +45,12 @@ def with_history(text: str | None, history: History) -> str | None:
 
 def _keys(results: Results, pair: tuple[int, ...]) -> dict[str, tuple[str, ...]]:
     """Keys of P's and Q's shapes and trunks, then those of the pair, by stage."""
-    trunks = {item.members: item.key for item in results.work["trunks_full"]}
+    trunks = results.keys["trunks_full"]
     keys = {
         "ingest": tuple(shape_key(results.progress, position) for position in pair),
         "trunks_full": tuple(trunks[position,] for position in pair),
     }
     for stage in OF_PAIR:
-        done = tuple(item.key for item in results.progress.finished(stage) if item.members == pair)
-        if done:
-            keys[stage] = done
+        if pair in results.keys.get(stage, {}):
+            keys[stage] = (results.keys[stage][pair],)
     return keys

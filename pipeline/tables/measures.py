@@ -32,11 +32,11 @@ CURVES = {
     "deformation": ("transforms", ("rank", "iou", "bound_p", "bound_q", "crs", "qcrs")),
     "stages": ("timings", ("stage", "items", "stored_seconds")),
 }
-"""CSV files by name: the table that each is made from, and its columns. Only certified transforms are listed."""
+"""CSV files by name: the table that each is made from, and its columns. Of transforms only the certified results."""
 
 
 def measures(folder: Path) -> dict[str, int | float | None]:
-    """Counts of a finished run, and quantiles of CRS over selected and of IoU over certified pairs, None without any.
+    """Counts of a finished run, and quantiles of CRS over selected and of IoU over the results, None without any.
 
     Raises `StartError` when there is no finished run in ``folder``.
     """
@@ -46,12 +46,16 @@ def measures(folder: Path) -> dict[str, int | float | None]:
     values_by_name: dict[str, int | float | None] = dict(record["counts"])
     scores = {
         "crs": [row["score"] for row in rows(folder, "crs")],
-        "iou": [row["iou"] for row in rows(folder, "transforms") if row["status"] == "certified"],
+        "iou": [row["iou"] for row in rows(folder, "transforms") if _is_result(row)],
     }
     for score, values in scores.items():
         for name, quantile in QUANTILES.items():
             values_by_name[f"{score}_{name}"] = float(np.quantile(values, quantile, method="lower")) if values else None
     return values_by_name
+
+
+def _is_result(row: Row) -> bool:
+    return bool(row["chosen"]) and row["status"] == "certified"
 
 
 def rows(folder: Path, name: str) -> list[Row]:
@@ -66,7 +70,7 @@ def write_measures(run: Path, target: Path) -> None:
     text = json.dumps(measures(run), indent=1)
     write_atomically(target / "measures.json", text.encode())
     for curve, (name, columns) in CURVES.items():
-        kept = [row for row in rows(run, name) if row.get("status", "certified") == "certified"]
+        kept = [row for row in rows(run, name) if name != "transforms" or _is_result(row)]
         stream = io.StringIO()
         writer = csv.DictWriter(stream, columns, extrasaction="ignore", lineterminator="\n")
         writer.writeheader()

@@ -12,6 +12,7 @@ from typing import Any
 
 from pipeline.plan.code_digest import code_digests, file_digest
 from pipeline.stages.all import STAGES
+from pipeline.stages.choose import chosen
 from pipeline.store.artifact import canonical_json
 from pipeline.store.keys import digest_bytes, digest_text
 from pipeline.store.store import write_atomically
@@ -93,10 +94,12 @@ def counts(results: Results) -> dict[str, int]:
 
     ``classes`` counts a shape without a class as a class of its own; ``without_trunks`` counts the shapes that were
     searched for trunks and have none, ``refused_textures`` the colour pictures that cannot be textures, ``blocked`` the
-    work items that were not tried because an input had failed.
+    work items that were not tried because an input had failed. Certified and approximate ones are counted among the
+    chosen, rejected ones among all that were ``constructed``.
     """
     constructions = [results.artifact(item) for item in results.work["construct"]]
-    statuses = [artifact.document["status"] for artifact in constructions if artifact is not None]
+    made = [artifact.document["status"] for artifact in constructions if artifact is not None]
+    statuses = [results.progress.read(item).document["status"] for item in chosen(results.progress)]
     motions = [results.artifact(item) for item in results.work["motion"]]
     flat = [
         bool(artifact.document["swings_flat"])
@@ -126,7 +129,8 @@ def counts(results: Results) -> dict[str, int]:
         "selected": len(results.pairs),
         "certified": statuses.count("certified"),
         "approximate": statuses.count("approximate"),
-        "rejected": statuses.count("rejected"),
+        "rejected": made.count("rejected"),
+        "constructed": len(made),
         "planned": len(flat),
         "swing_flat": sum(flat),
         "puzzles": puzzles.count("certified"),

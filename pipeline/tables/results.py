@@ -63,6 +63,15 @@ class Results:
         return {item.members: item for item in self.progress.work.get(stage, ())}
 
     @cached_property
+    def keys(self) -> Mapping[str, Mapping[tuple[int, ...], str]]:
+        """Keys of what is done of each shape and pair, by stage and positions."""
+        return {
+            stage: {item.members: item.key for item in self.progress.finished(stage)}
+            for stage in self.progress.work
+            if BY_NAME[stage].scope in ("shape", "pair")
+        }
+
+    @cached_property
     def numbers(self) -> IntArray:
         """(items,) shape number of every position, −1 without a shape."""
         lengths = np.zeros(len(self.progress.items), dtype=np.int64)

@@ -77,10 +77,13 @@ OWN_COLUMNS: dict[str, tuple[str, tuple[Column, ...]]] = {
     ),
     "crs": ("", (Column("rank", "int32", "rank in `selected`", "rank"), *PAIR)),
     "transforms": (
-        "Constructed transforms: certified, then approximate ones, least deformed first, then rejected ones as "
-        "selected.",
+        "Constructed transforms: by policy varied the chosen ones first, as chosen; then, and by the other policies "
+        "all, certified, then approximate ones, least deformed first, then rejected ones as selected.",
         (
-            Column("rank", "int32", "1 = certified, with the greatest IoU of the worse shape", "rank"),
+            Column(
+                "rank", "int32", "1 = the best: chosen first, or, by policy global and paper, least deformed", "rank"
+            ),
+            Column("chosen", "bool", "whether it is a result of the run; the others were made to choose from"),
             Column("selected", "int32", "rank in `selected`", "rank"),
             *PAIR,
             *NAMES,

@@ -164,8 +164,9 @@ def check_value(name: str, kind: Any, declared: Parameter | None, value: Any) ->
         elif typing.get_origin(option) is tuple:
             if isinstance(value, list | tuple):
                 item = typing.get_args(option)[0]
+                of_entry = None if declared is None else dataclasses.replace(declared, parse=None)
                 return tuple(
-                    check_value(f"{name}[{index}]", item, declared, entry) for index, entry in enumerate(value)
+                    check_value(f"{name}[{index}]", item, of_entry, entry) for index, entry in enumerate(value)
                 )
         elif _is_instance(value, option):
             if option in (float, int):

@@ -8,6 +8,7 @@ from . import likeness as likeness
 from . import qcrs as qcrs
 from . import ragged as ragged
 from . import reversibility as reversibility
+from . import surprise as surprise
 from . import trunk_stack as trunk_stack
 from . import trunks as trunks
 from . import vertices as vertices

@@ -115,6 +115,33 @@ def stack(trunks: Sequence[Trunks], leaves: Sequence[npt.NDArray[np.int32]] | No
     )
 
 
+def of_sizes(trunks: TrunkStack, least: int, most: int) -> TrunkStack:
+    """The trunks with ``least`` to ``most`` vertices, in the same order and the same leaves.
+
+    >>> from riot.scores.trunks import quick_trunks
+    >>> np.unique(np.diff(of_sizes(stack([quick_trunks(house)]), 3, 3).offsets)).tolist()
+    [3]
+    """
+    sizes = np.diff(trunks.offsets)
+    kept = (sizes >= least) & (sizes <= most)
+    of_kept = np.repeat(kept, sizes)
+    before = running(kept)  # of each trunk, how many kept ones come earlier
+    # A leaf has trunks of one n, numbered within their shape.
+    first = np.repeat(trunks.starts[:-1], np.diff(trunks.leaf_starts))
+    kept_leaves = kept[trunks.leaves[:, 0] + first]
+    first = first[kept_leaves, None]
+    return TrunkStack(
+        starts=before[trunks.starts],
+        offsets=running(sizes[kept]),
+        edges=trunks.edges[of_kept],
+        alphas=trunks.alphas[of_kept],
+        betas=trunks.betas[of_kept],
+        areas=trunks.areas[kept],
+        leaf_starts=running(kept_leaves)[trunks.leaf_starts],
+        leaves=(before[trunks.leaves[kept_leaves] + first] - before[first]).astype(np.int32),
+    )
+
+
 def lay_out_forest(
     trunks: TrunkStack, leaves: npt.NDArray[np.int32], first: npt.NDArray[Any], groups: npt.NDArray[Any]
 ) -> Forest:

@@ -15,7 +15,7 @@ from integration.small_runs import CLEAN, command, digests, stages
 
 from pipeline.store.store import Store
 
-SAME = ("batch=3", "select.top=2", "select.breadth=2", "select.per_shape=2", "refine.candidates=2")
+SAME = ("batch=3", "select=global", "select.top=2", "select.breadth=2", "select.per_shape=2", "refine.candidates=2")
 """The settings of `chaos.victims`, as a command has them."""
 
 

@@ -35,7 +35,7 @@ def settings(pictures: Path, where: Path) -> Config:
         outputs=where / "outputs",
         store=where / "store",
         batch=3,
-        select=SelectConfig(top=2, breadth=2, per_shape=2),
+        select=SelectConfig("global", top=2, breadth=2, per_shape=2),
         refine=RefineParameters(candidates=2),
         cluster=ClusterConfig("sync"),
     )

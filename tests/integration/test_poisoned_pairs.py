@@ -69,7 +69,7 @@ class Planted:
                 "cluster": {"kind": "sync"},
                 "refine": {"candidates": 1},
                 "construct": {"attempts": 1},
-                "select": {"top": 2, "breadth": 1},
+                "select": {"policy": "global", "top": 2, "breadth": 1},
                 "qcrs": qcrs,
             }
         )

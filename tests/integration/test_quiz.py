@@ -43,7 +43,7 @@ def quiz_run(tmp_path_factory: pytest.TempPathFactory) -> GivenRun:
         (folder / file).write_text(to_json(exact_transform(pair)), encoding="utf-8")
         rows.append(
             {"i": 2 * k, "j": 2 * k + 1, "class_i": run.classes[2 * k], "class_j": run.classes[2 * k + 1],
-             "status": "certified", "iou": 0.999 - 0.001 * k, "qcrs": 0.95, "crs": 0.9, "file": file}
+             "chosen": True, "status": "certified", "iou": 0.999 - 0.001 * k, "qcrs": 0.95, "crs": 0.9, "file": file}
         )  # fmt: skip
     pq.write_table(pa.Table.from_pylist(rows), folder / "transforms.parquet")
     i, j = (column.astype(np.int32) for column in np.triu_indices(2 * EXACT, 1))

@@ -64,7 +64,7 @@ def configure(root: Path, where: Path, store: Path, **groups: object) -> Config:
         "cluster": {"kind": "sync"},
         "refine": {"candidates": 1},
         "construct": {"attempts": 1},
-        "select": {"top": 3, "breadth": 1},
+        "select": {"policy": "global", "top": 3, "breadth": 1},
     }
     return make_config({**values, **groups})
 

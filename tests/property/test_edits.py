@@ -52,7 +52,7 @@ def test_another_picture_concerns_what_it_is_in(project: Project) -> None:
     number = 2
     draw(next((project.root / "pictures").glob(plan.items[number].name + ".png")), 77)
     after = keys_of(project)
-    whole = {"select", "shortlist", "near_duplicates"}
+    whole = {"select", "shortlist", "choose", "near_duplicates"}
     for (stage, members), key in after.items():
         if stage not in whole and (stage, members) in before:
             assert (key != before[stage, members]) == (number in members)

@@ -76,7 +76,7 @@ class TestS3(FilesKit):
 def settings(where: Path, store: Path | Url) -> Config:
     where.mkdir(exist_ok=True)
     dataset = DatasetConfig("folder", "folder", str(pictures(where / "pictures", range(5))))
-    select = SelectConfig(top=1, breadth=1, per_shape=2)
+    select = SelectConfig("global", top=1, breadth=1, per_shape=2)
     return Config(
         dataset, outputs=where / "outputs", store=store, batch=3, select=select, cluster=ClusterConfig("sync")
     )

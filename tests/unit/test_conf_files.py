@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +58,9 @@ def test_the_defaults_of_a_run_are_those_of_the_schema_but_for_the_selection_of_
 
 def test_a_value_of_the_command_line_is_stronger_than_the_sample_s() -> None:
     sample = check_command(complete([])).select
-    for field in fields(SelectConfig):
-        value = "paper" if field.name == "policy" else getattr(sample, field.name) + 76
-        for line in ([f"select.{field.name}={value}"], [f"select.{field.name}={value}", "+dataset=sample"]):
-            assert check_command(complete(line)).select == replace(sample, **{field.name: value})
+    for name, value in {"policy": "paper", "top": 100, "per_shape": 78, "breadth": 88, "pool": 9, "flat": True}.items():
+        for line in ([f"select.{name}={value}"], [f"select.{name}={value}", "+dataset=sample"]):
+            assert check_command(complete(line)).select == replace(sample, **{name: value})
     assert check_command(complete(["select=paper"])).select == replace(sample, policy="paper")
     assert check_command(complete(["select=paper", "select.top=100"])).select.top == 100
 

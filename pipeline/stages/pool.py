@@ -1,0 +1,152 @@
+"""The pool of policy ``varied``: the pairs that go on to CRS and refined trunks, by shape and by n too (ours).
+
+QCRS orders pairs of one shape and of one n well, and badly those of different ones: a single list by QCRS is filled by
+blobs with trunks of four vertices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from riot.types import BoolArray, FloatArray, IntArray
+
+
+class Rows(NamedTuple):
+    """Rows of candidates: i, j (positions in the collection, i < j), score, and the number n of trunk vertices."""
+
+    i: IntArray
+    j: IntArray
+    score: FloatArray
+    n: IntArray
+
+    def at(self, rows: IntArray | BoolArray) -> Rows:
+        """Some of the rows."""
+        return Rows(self.i[rows], self.j[rows], self.score[rows], self.n[rows])
+
+    @property
+    def size(self) -> IntArray:
+        """The place of n in `SIZES`."""
+        return np.asarray(np.minimum(self.n, SIZES[-1]) - SIZES[0])
+
+    @staticmethod
+    def joined(parts: Sequence[Rows]) -> Rows:
+        """The rows of several parts."""
+        return Rows(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+SIZES = (3, 4, 5, 6)
+"""Each n that has a share of the pool; more vertices count as the last."""
+
+PARTNERS = 8
+"""Best partners of a shape that are held for each n. Ours: two of three exact pairs are among the first two."""
+
+CHUNK = 1_000_000
+"""Rows that are read before the best are kept, of 32 bytes each."""
+
+
+def fill_pool(blocks: Iterator[Rows], cluster: IntArray, label: IntArray, size: int) -> IntArray:
+    """(k, 2) the pairs of a pool of ``size``, in the order in which they entered it, read from ``blocks`` in any order.
+
+    In a round, for each n one list gives a pair, the best by score, and one those whose shapes stand highest among each
+    other's partners. Over every n, a list that begins with each class's best pair gives four, and one that begins with
+    each shape's gives one. Shapes of a class have one number in ``label`` (positions,), near-duplicates in ``cluster``.
+
+    >>> block = Rows(np.array([0, 0]), np.array([1, 2]), np.array([0.9, 0.8]), np.array([4, 3]))
+    >>> fill_pool(iter([block]), np.arange(3), np.arange(3), 1).tolist()
+    [[0, 2]]
+    """
+    shape = np.arange(len(cluster))
+    held = _held(blocks, shape, size)
+    by_size = [np.flatnonzero(held.size == k) for k in range(len(SIZES))]
+    best = [iter(rows[_by_score(held.at(rows))].tolist()) for rows in by_size]
+    mutual = [iter(rows[_by_rank(held.at(rows), shape, np.maximum)].tolist()) for rows in by_size]
+    of_class = [iter(_by_rank(held, label, np.minimum).tolist())] * len(SIZES)
+    of_shape = [iter(_by_rank(held, cluster, np.minimum).tolist())]
+    taken: dict[tuple[int, int], None] = {}
+    before = -1
+    while before < len(taken) < size:
+        before = len(taken)
+        for queue in (*best, *mutual, *of_class, *of_shape):
+            for row in queue:
+                pair = int(held.i[row]), int(held.j[row])
+                if pair not in taken:
+                    taken[pair] = None
+                    break
+    return np.array(list(taken)[:size], dtype=np.int64).reshape(-1, 2)
+
+
+def _by_score(rows: Rows) -> IntArray:
+    return np.lexsort((rows.j, rows.i, -rows.score))
+
+
+def _by_rank(rows: Rows, shape: IntArray, join: np.ufunc) -> IntArray:
+    """Order of rows, over every n, by the ``join`` of their ranks among the partners of both shapes, then by score."""
+    any_size = rows._replace(n=np.full_like(rows.n, SIZES[0]))
+    best = _best_of_shapes(any_size, shape)
+    rank = join(*_ranks(any_size.at(best), shape))
+    i, j, score, _ = rows.at(best)
+    return np.asarray(best[np.lexsort((j, i, -score, rank))])
+
+
+def _held(blocks: Iterator[Rows], shape: IntArray, count: int) -> Rows:
+    """Of all rows, the ``count`` best of each n and the `PARTNERS` best of each shape and n; it needs no order."""
+    none = np.empty(0, np.int64)
+    rows, waiting = Rows(none, none, np.empty(0), none), 0
+    parts = [rows]
+    least, floors = np.zeros(len(SIZES)), np.zeros((len(SIZES), int(shape.max(initial=-1)) + 1))
+    for block in blocks:
+        size, score = block.size, block.score
+        # Neither among the best of its n nor among the partners of a shape: it cannot enter.
+        enters = (score >= least[size]) | (score >= floors[size, shape[block.i]])
+        parts.append(block.at(enters | (score >= floors[size, shape[block.j]])))
+        waiting += len(parts[-1].n)
+        if waiting > CHUNK:
+            rows, least, floors = _trimmed(Rows.joined(parts), shape, count, floors.shape)
+            parts, waiting = [rows], 0
+    return _trimmed(Rows.joined(parts), shape, count, floors.shape)[0]
+
+
+def _trimmed(rows: Rows, shape: IntArray, count: int, of: tuple[int, ...]) -> tuple[Rows, FloatArray, FloatArray]:
+    """The rows that may enter; the least score among the best of each n, and among the partners of each n and shape."""
+    rows = rows.at(_best_of_shapes(rows, shape))
+    order = np.lexsort((rows.j, rows.i, -rows.score, rows.size))
+    place = np.empty(len(order), np.int64)
+    place[order] = np.arange(len(order)) - np.searchsorted(rows.size[order], rows.size[order])
+    ranks = _ranks(rows, shape)
+    least, floors = np.zeros(of[0]), np.zeros(of)
+    last = place == count - 1
+    least[rows.size[last]] = rows.score[last]
+    for rank, side in zip(ranks, (rows.i, rows.j), strict=True):
+        last = rank == PARTNERS - 1
+        floors[rows.size[last], shape[side[last]]] = rows.score[last]
+    return rows.at((place < count) | (np.minimum(*ranks) < PARTNERS)), least, floors
+
+
+def _best_of_shapes(rows: Rows, shape: IntArray) -> IntArray:
+    """The rows that are the best of their two shapes, or clusters, and n."""
+    a, b = np.minimum(shape[rows.i], shape[rows.j]), np.maximum(shape[rows.i], shape[rows.j])
+    order = np.lexsort((rows.j, rows.i, -rows.score, b, a, rows.size))
+    return np.sort(order[_changes(rows.size[order], a[order], b[order])])
+
+
+def _ranks(rows: Rows, shape: IntArray) -> tuple[IntArray, IntArray]:
+    """Ranks, from 0, of each row among the rows of its n with the shape of i, and with that of j."""
+    twice = np.tile(np.arange(len(rows.n)), 2)
+    i, j, score, _ = rows.at(twice)
+    owner, size = shape[np.concatenate([rows.i, rows.j])], rows.size[twice]
+    order = np.lexsort((j, i, -score, owner, size))
+    first = _changes(size[order], owner[order])
+    place = np.arange(len(order))
+    rank = np.empty(len(order), np.int64)
+    rank[order] = place - np.maximum.accumulate(np.where(first, place, 0))
+    return rank[: len(rows.n)], rank[len(rows.n) :]
+
+
+def _changes(*columns: IntArray) -> BoolArray:
+    """Where any of the columns differs from the entry before; true of the first entry."""
+    changes = np.ones(len(columns[0]), dtype=np.bool_)
+    changes[1:] = np.any([column[1:] != column[:-1] for column in columns], axis=0)
+    return changes

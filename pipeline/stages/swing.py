@@ -1,0 +1,33 @@
+"""The motions of all certified constructions, where only those that swing flat may be chosen (``select.flat``; ours).
+
+The stage ``motion`` plans those of the chosen again, in less than a tenth of a second each: a run without this wish
+plans no others.
+"""
+
+from __future__ import annotations
+
+from pipeline.plan.progress import Progress
+from pipeline.plan.work_item import WorkItem
+from pipeline.stages.construct import certified
+from pipeline.stages.motion import run
+from pipeline.stages.stage import Stage
+
+
+def items(progress: Progress) -> list[WorkItem]:
+    """A work item for each certified construction, in order."""
+    return [progress.recipes["swing"].after(item) for item in certified(progress)]
+
+
+STAGE = Stage(
+    name="swing",
+    unit="certified transforms",
+    after=("construct",),
+    parameters=("motion",),
+    items=items,
+    run=run,
+    scope="pair",
+    known_after="construct",
+    wanted=lambda config: config.select.flat,
+    at_most=lambda config: config.select.constructed,
+    bundle=16,
+)
