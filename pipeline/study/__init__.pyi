@@ -5,5 +5,7 @@ from . import groundtruth as groundtruth
 from . import make as make
 from . import parameters as parameters
 from . import quiz as quiz
+from . import recognition as recognition
 from . import sigmas as sigmas
 from . import timing as timing
+from . import variety as variety

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 from pipeline.study.waves import deformed
@@ -110,7 +111,17 @@ def degenerate(pair: ExactPair) -> bool:
 def drawn(
     polygon: FloatArray, corners: FloatArray, name: str, deform: float, rng: np.random.Generator
 ) -> tuple[Shape, FloatArray]:
-    """The shape of a polygon's picture, deformed and grey at the border, and points of the polygon in its frame."""
+    """The shape of a polygon's `picture`, and points of the polygon in its frame."""
+    image, corners = picture(polygon, corners, deform, rng)
+    shape = mask_shape(image.astype(np.float64), name)
+    # A shape's source coordinates are whole at the middles of pixels.
+    return shape, shape.from_source(corners - 0.5)
+
+
+def picture(
+    polygon: FloatArray, corners: FloatArray, deform: float, rng: np.random.Generator
+) -> tuple[npt.NDArray[np.uint8], FloatArray]:
+    """A polygon as a picture, deformed and grey at the border, and points of the polygon in it."""
     if deform > 0.0:
         moved = deformed(np.concatenate([polygon, corners]), deform, rng)
         polygon, corners = moved[: len(polygon)], moved[len(polygon) :]
@@ -122,9 +133,7 @@ def drawn(
 
     image = Image.new("L", (PIXELS * FINER, PIXELS * FINER))
     ImageDraw.Draw(image).polygon([(float(x), float(y)) for x, y in to_picture(polygon) * FINER], fill=255)
-    shape = mask_shape(np.asarray(image.reduce(FINER), dtype=np.float64), name)
-    # A shape's source coordinates are whole at the middles of pixels.
-    return shape, shape.from_source(to_picture(corners) - 0.5)
+    return np.asarray(image.reduce(FINER), dtype=np.uint8), to_picture(corners)
 
 
 def nearest(hidden: Hidden, trunks: Trunks) -> float:

@@ -16,8 +16,10 @@ STUDIES: Mapping[str, str] = MappingProxyType(
         "groundtruth": "whether hidden exact pairs are found",
         "parameters": "what the method's parameters do",
         "quiz": "pairs to judge, as the paper's people did",
+        "recognition": "whether results are recognised",
         "sigmas": "what a greater σ_A of QCRS gains and costs",
         "timing": "what each step costs, beside the paper",
+        "variety": "how much the first transforms show",
     }
 )
 """The one list of studies; `pipeline/study/__init__.pyi` offers their modules."""
