@@ -8,6 +8,10 @@ import pyarrow.parquet as pq
 import pytest
 from small_runs import BAD_START, CLEAN, digests, pictures, run_here, stages, table
 
+from pipeline.errors import StartError
+from pipeline.study import recognition, variety
+from pipeline.study.finished import StudiedRun
+
 VARIED = ("cluster=sync", "select=varied", "select.top=2", "select.breadth=4", "select.pool=2", "select.min_iou=0.5")
 
 
@@ -74,3 +78,22 @@ def test_a_bad_wish_is_refused_before_any_work(finished: Path, wish: str, words:
     assert ended.returncode == BAD_START
     assert all(word in ended.stderr for word in words)
     assert digests(finished) == before
+
+
+def test_studies_stand_runs_side_by_side(finished: Path) -> None:
+    assert (
+        run_here(finished, finished / "pictures", "cluster=sync", "select=global", "dataset.name=all").returncode
+        == CLEAN
+    )
+    run, other = StudiedRun.open(finished / "outputs" / "folder"), str(finished / "outputs" / "all")
+    shown = variety.study(run, variety.Parameters(others=(other,)), print).table.to_pylist()
+    assert [(row["run"], row["first"]) for row in shown] == [("varied", 1), ("varied", 2)] + [
+        ("global", k) for k in (1, 2, 3)
+    ]
+    assert shown[1]["classes"] == 4 and shown[1]["repeated"] == 0
+    results = recognition.study(run, recognition.Parameters(top=1, others=(other,)), print).table.to_pylist()
+    assert [row["run"] for row in results] == ["varied"] * 2 + ["global"] * 2
+    assert all(row["recognised"] == (row["class"] == row["nearest_class"]) for row in results)
+    assert all(row["name"] != row["nearest"] for row in results)
+    with pytest.raises(StartError, match="no finished run"):
+        variety.study(run, variety.Parameters(others=(str(finished),)), print)
