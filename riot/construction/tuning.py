@@ -79,6 +79,18 @@ mesh edges around it, so that every cell reaches both corners of its edge."""
 COINCIDENT_NODES = 1e-9
 """Length: points of the dissection tree closer than this are one."""
 
+# Exact plans
+
+EXACT_BOUND = 0.9993
+"""IoU: a plan with a greater bound is as good as exact, for the scanlines of a maximisation see no finer. It is not
+bent, and its transform must not lose what lies between the points of the partition's mesh."""
+
+EXACT_LOSS = 1e-4
+"""IoU: an exact plan whose transform loses more is dissected on a finer mesh."""
+
+FINER_MESH = 4.0
+"""So many times as fine: then of 804 exact pairs (3–6 pieces) given as polygons the worst has an IoU of .9998."""
+
 # Matching of tree arcs and swung arcs (theory §8)
 
 LEAF_RADIUS = 0.02
@@ -251,7 +263,3 @@ area, and elements that are folded have no energy."""
 
 LARGE_TURN = 0.2
 """Radians: where the interior turns by more anywhere, modes are computed anew on the bent shape."""
-
-EXACT_BOUND = 0.9993
-"""IoU: a plan with a greater bound is as good as exact, for the scanlines of a maximisation see no finer, and is not
-bent."""

@@ -156,7 +156,7 @@ def test_exact_pairs_come_back_exactly(n: int, seed: int) -> None:
     transform = given_transform(exact_pair(n, seed))
     assert transform.certificate().passed
     assert transform.certificate().residual < 1e-9
-    assert transform.deformation().iou > 0.999
+    assert transform.deformation().iou > 0.9997
 
 
 def test_dudeneys_triangle_and_square_come_back() -> None:
