@@ -27,7 +27,6 @@ from pipeline.store.store import State, Store
 from pipeline.tables import schemas as tables
 from pipeline.tables.outputs import from_rows, write_table
 from pipeline.tables.record import ARTIFACTS
-from riot.parameters import BendParameters
 
 PAIRS = [(0, 3), (2, 5), (4, 6)]
 """Pairs that somebody selected: which they are is known only when a run goes on, and an edit may leave them."""
@@ -54,8 +53,7 @@ class Project:
         if not (root / "pictures").exists():
             pictures(root / "pictures", range(SHAPES))
         dataset = DatasetConfig("folder", "folder", str(root / "pictures"))
-        bend = BendParameters(method="elastic")
-        config = Config(dataset, outputs=root / "outputs", store=root / "store", batch=4, bend=bend)
+        config = Config(dataset, outputs=root / "outputs", store=root / "store", batch=4)
         return cls(root, config, sources, patch).loaded()
 
     @classmethod

@@ -85,6 +85,15 @@ def _parse_pieces(value: Any) -> Any:
 
 
 @dataclass(frozen=True)
+class BendConfig(BendParameters):
+    """Bending the shapes that are constructed (theory §12; all ours). A run bends, the library only where asked to."""
+
+    method: Literal["off", "elastic"] = parameter(
+        "elastic", meaning="elastic: both shapes are bent a little before they are cut. off: they stay as they are."
+    )
+
+
+@dataclass(frozen=True)
 class SelectConfig(ParameterGroup):
     """Which pairs go on to CRS and construction, and which are chosen (policy paper: paper §5.3; else ours)."""
 
@@ -278,7 +287,7 @@ class Config(ParameterGroup):
     qcrs: QcrsConfig = field(default_factory=QcrsConfig)
     crs: CrsParameters = field(default_factory=CrsParameters)
     refine: RefineParameters = field(default_factory=RefineParameters)
-    bend: BendParameters = field(default_factory=BendParameters)
+    bend: BendConfig = field(default_factory=BendConfig)
     construct: ConstructParameters = field(default_factory=ConstructParameters)
     motion: MotionParameters = field(default_factory=MotionParameters)
     fabricate: FabricateConfig = field(default_factory=FabricateConfig)

@@ -18,7 +18,10 @@ from PIL import Image, ImageDraw
 from pipeline.run import main
 
 CLEAN, BAD_START, WITH_ERRORS, INTERRUPTED = 0, 2, 3, 130
-QUICK = ("batch=4", "select=global", "select.top=3", "refine.candidates=2", "select.per_shape=2", "select.breadth=2")
+QUICK = (
+    *("batch=4", "select=global", "select.top=3", "refine.candidates=2", "select.per_shape=2", "select.breadth=2"),
+    *("bend.starts=1", "bend.modes=8", "bend.sketched=2", "bend.sketch_steps=4", "bend.steps=8"),
+)
 TIMED = {"timings.parquet", "run.json", "report.html"}
 """Files that hold times, and so differ between equal runs."""
 
