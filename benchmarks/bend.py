@@ -21,6 +21,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -105,6 +106,19 @@ def class_pairs(run: Path, count: int, seed: int) -> list[tuple[str, str]]:
     best = order[np.concatenate([[True], key[1:] != key[:-1]])]
     drawn = np.sort(np.random.default_rng(seed).choice(len(best), min(count, len(best)), replace=False))
     return [(sources[i[k]], sources[j[k]]) for k in best[drawn]]
+
+
+def best_of_classes(run: Path) -> list[tuple[str, str]]:
+    """Sources of the least deformed certified transform of each class in a finished run, each pair once."""
+    source = pq.read_table(run / "shapes.parquet", columns=["source"]).column("source").to_pylist()
+    columns = ["i", "j", "class_i", "class_j", "iou", "status"]
+    rows = pq.read_table(run / "transforms.parquet", columns=columns).to_pylist()
+    best: dict[str, dict[str, Any]] = {}
+    for row in sorted((row for row in rows if row["status"] == "certified"), key=lambda row: -row["iou"]):
+        for side in ("class_i", "class_j"):
+            best.setdefault(row[side], row)
+    pairs = [(source[best[name]["i"]], source[best[name]["j"]]) for name in sorted(best)]
+    return list(dict.fromkeys(pairs))
 
 
 def sag(bend: Bend) -> float:
@@ -248,6 +262,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--root", type=Path, required=True, help="the folder of its pictures")
     parser.add_argument("--pairs", type=int, default=40, help="so many pairs of classes")
     parser.add_argument("--seed", type=int, default=2026, help="of their choice")
+    parser.add_argument("--best", action="store_true", help="each class's best transform of the run instead")
     parser.add_argument("--weights", type=float, nargs="+", default=[BendParameters.weight], help="of the strain")
     parser.add_argument("--straight", type=float, default=BendParameters.straight, help="weight of straight sides")
     parser.add_argument("--sheet", type=Path, help="draw the pairs to this file, bent with the first weight")
@@ -256,7 +271,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ways = {f"{weight:g}": BendParameters(weight=weight, straight=chosen.straight) for weight in chosen.weights}
     warm_all(lambda text: print(text, file=sys.stderr))
     results = []
-    for sources in class_pairs(chosen.run, chosen.pairs, chosen.seed):
+    pairs = best_of_classes(chosen.run) if chosen.best else class_pairs(chosen.run, chosen.pairs, chosen.seed)
+    for sources in pairs:
         try:
             outcomes = compare((chosen.root / sources[0], chosen.root / sources[1]), ways)
         except RiotError as error:
