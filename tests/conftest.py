@@ -15,7 +15,8 @@ from riot.kernels.compiling.cache import uncompiled
 from riot.kernels.warm import compile_modules
 
 # A machine under load is slow, which is no fault: what a hang is, the timeout of a test says.
-hypothesis.settings.register_profile("tests", deadline=None)
+# The same examples every time: what fails, fails for everybody. What explores has the mark fuzz.
+hypothesis.settings.register_profile("tests", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("tests")
 
 
