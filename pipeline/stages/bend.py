@@ -30,8 +30,8 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
     `unpack_bent` reads them. Without modes of either shape there are none.
     """
     batch_p, batch_q, cross, refined, modes_p, modes_q, *trunks = inputs
-    settings, refinement, spacing, allowed = parameters
-    contact = ConstructParameters(spacing=spacing, max_lost_contact=allowed)
+    settings, refinement, spacing, lost, cut_off = parameters
+    limits = ConstructParameters(spacing=spacing, max_lost_contact=lost, max_cut_off=cut_off)
     p, q = expect_shape(batch_p, spec[0]), expect_shape(batch_q, spec[1])
     of_p, of_q = unpack_modes(modes_p, p), unpack_modes(modes_q, q)
     plans, _ = unpack_plans(refined, cross, p, q, refinement.reach, all_plans=True)
@@ -43,7 +43,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: tuple[int, 
             full_p, full_q = (unpack_trunks(full, 0) for full in trunks)
             more = construction.plan_search.sized_plans(p, q, full_p, full_q, refinement, settings.starts)
             starts = sorted([*plans, *more], key=lambda plan: -plan.bound)
-            return construction.bend.bend_plans(starts, of_p, of_q, settings, refinement, contact)
+            return construction.bend.bend_plans(starts, of_p, of_q, settings, refinement, limits)
 
         best = attempt(0, bend, errors) or []
     return Artifact(_pack(best), {"errors": errors})
@@ -115,7 +115,7 @@ STAGE = Stage(
     name="bend",
     unit="pairs",
     after=("shortlist", "modes"),
-    parameters=("bend", "refine", "construct.spacing", "construct.max_lost_contact"),
+    parameters=("bend", "refine", "construct.spacing", "construct.max_lost_contact", "construct.max_cut_off"),
     items=items,
     run=run,
     scope="pair",

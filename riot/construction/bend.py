@@ -15,7 +15,7 @@ import numpy as np
 from riot.construction.bend_climb import BendClimb, BendState
 from riot.construction.bend_objective import BendObjective
 from riot.construction.bent_side import BentSide
-from riot.construction.contact import require_plan_contact
+from riot.construction.contact import require_plan_cells
 from riot.construction.plan import ConstructionPlan, TrunkPair, plan_on
 from riot.construction.refine import refine
 from riot.construction.stiff import StiffRegions
@@ -108,7 +108,7 @@ def bend_plans(
     sides, refinement = _sides(plans[0], modes_p, modes_q), refinement or RefineParameters()
     construction = construction or ConstructParameters()
     bent = _bend_round(plans, sides, parameters, refinement, construction)
-    if not any(_keeps_contact(one.plan, construction) for one in bent):
+    if not any(_can_be_cut(one.plan, construction) for one in bent):
         held = replace(
             parameters, contact=HELD_CONTACT * parameters.contact, sketched=HELD_STARTS * parameters.sketched
         )
@@ -140,8 +140,8 @@ def bend_plan(
 ) -> BentPlan:
     """Bend both shapes of a plan and move its trunks with them to where bound less cost is greatest (theory §12; ours).
 
-    ``modes_p`` and ``modes_q`` are those of the plan's shapes. Only ``max_lost_contact`` is read of ``construction``. A
-    plan whose bound leaves nothing to gain is not bent.
+    ``modes_p`` and ``modes_q`` are those of the plan's shapes. Of ``construction`` what decides
+    whether a plan can be cut is read. A plan whose bound leaves nothing to gain is not bent.
 
     >>> from riot.construction import alternatives
     >>> from riot.geometry.modes import modes
@@ -237,15 +237,15 @@ def _sides(plan: ConstructionPlan, modes_p: Modes, modes_q: Modes) -> tuple[Bent
 def _promising(
     plans: Sequence[ConstructionPlan], count: int, construction: ConstructParameters
 ) -> list[ConstructionPlan]:
-    """The first plans that are no near copies of better ones, with one among them whose pieces keep their edges as it
-    is, if any plan's do."""
+    """The first plans that are no near copies of better ones, with one among them that can be cut as it is, if any
+    can."""
     distinct: list[ConstructionPlan] = []
     for plan in plans:
         if len(distinct) == count:
             break
         if not any(_is_near(plan.trunks, other.trunks) for other in distinct):
             distinct.append(plan)
-    keeping = next((plan for plan in plans if _keeps_contact(plan, construction)), None)
+    keeping = next((plan for plan in plans if _can_be_cut(plan, construction)), None)
     if keeping is None or keeping in distinct:
         return distinct
     return [*distinct[: count - 1], keeping]
@@ -259,9 +259,9 @@ def _is_near(trunks: FloatArray, others: FloatArray) -> bool:
     )
 
 
-def _keeps_contact(plan: ConstructionPlan, construction: ConstructParameters) -> bool:
+def _can_be_cut(plan: ConstructionPlan, construction: ConstructParameters) -> bool:
     try:
-        require_plan_contact(plan, construction.spacing, construction.max_lost_contact)
+        require_plan_cells(plan, construction)
     except ConstructionError:
         return False
     return True

@@ -225,8 +225,8 @@ than eight pieces is a patience."""
 NEAR_COPY = 0.03 * D_C
 """Length: of plans whose corners all lie nearer to those of a better one, only that one is bent."""
 
-HELD_CONTACT, HELD_STARTS = 4.0, 3
-"""Where no bent plan keeps contact: so many times as many plans are bent, and contact weighs so many times as much."""
+HELD_CONTACT, HELD_STARTS = 8.0, 3
+"""Where no bent plan can be cut: so many times as many plans are bent, and contact weighs so many times as much."""
 
 SOFTEST = 4.0
 """Eigenvalue below which a mode's step is measured by how far it moves the shape, and no more by its energy."""

@@ -29,6 +29,7 @@ from riot.transform.riot_file import from_json
 BEND = BendParameters(method="elastic", steps=8, sketch_steps=4, sketched=2, modes=8)
 REFINEMENT, CONSTRUCTION = RefineParameters(), ConstructParameters()
 CONTACT = [CONSTRUCTION.spacing, CONSTRUCTION.max_lost_contact]
+LIMITS = [*CONTACT, CONSTRUCTION.max_cut_off]
 NAMES = ((0, "P"), (1, "Q"))
 
 
@@ -63,7 +64,7 @@ def bent() -> list[Artifact]:
     batch, _, *rest = inputs()
     both = [stored(modes.run([batch], [BEND.modes, BEND.straight], index)) for index in (0, 1)]
     of_pair = [batch, batch, *rest[:2], *both, *rest[2:]]
-    return [*both, stored(bend.run(of_pair, [BEND, REFINEMENT, *CONTACT], (0, 1)))]
+    return [*both, stored(bend.run(of_pair, [BEND, REFINEMENT, *LIMITS], (0, 1)))]
 
 
 def made_by_library() -> list[BentPlan]:
@@ -107,7 +108,7 @@ def test_a_construction_takes_the_bent_plans_and_tells_what_they_cost() -> None:
 def test_without_modes_or_bent_plans_the_shapes_are_cut_as_they_are() -> None:
     none = stored(Artifact({}, {"errors": []}))
     batch, _, *rest = inputs()
-    found = bend.run([batch, batch, *rest[:2], none, bent()[1], *rest[2:]], [BEND, REFINEMENT, *CONTACT], (0, 1))
+    found = bend.run([batch, batch, *rest[:2], none, bent()[1], *rest[2:]], [BEND, REFINEMENT, *LIMITS], (0, 1))
     assert bend.unpack_bent(none, bent()[1], stored(found), *shapes(), REFINEMENT.reach) == []
     assert constructed(none, bent()[1], stored(found)).document == constructed().document
 
