@@ -33,13 +33,14 @@ class Figures:
 
 @dataclass(frozen=True)
 class Compared:
-    """One pair, by its row in `transforms`."""
+    """One pair, by its row in `transforms`; ``unbent`` is the IoU of the exact transform without a bend, if known."""
 
     rank: int
     name_p: str
     name_q: str
     exact: Figures
     paper: Figures
+    unbent: float | None
 
 
 @dataclass(frozen=True)
@@ -56,13 +57,22 @@ class Comparison:
         return _medians(pair.exact for pair in self.pairs), _medians(pair.paper for pair in self.pairs)
 
     @property
+    def unbent(self) -> float | None:
+        """The median IoU of the exact transforms without a bend; None if the run does not bend."""
+        ious = [pair.unbent for pair in self.pairs if pair.unbent is not None]
+        return median(ious) if ious else None
+
+    @property
     def sentence(self) -> str:
         """The result of the comparison, in a sentence."""
         exact, paper = self.medians
         residual = median(pair.paper.residual for pair in self.pairs)
+        ours = f"{exact.iou:.3f} exact"
+        if self.unbent is not None:
+            ours = f"{exact.iou:.3f} bent and exact, {self.unbent:.3f} exact"
         sentence = (
-            f"Beside the paper's method, on the same trunks ({len(self.pairs)} of the best): median IoU "
-            f"{exact.iou:.3f} exact, {paper.iou:.3f} the paper's, whose pieces leave "
+            f"Beside the paper's method, on the same trunks ({len(self.pairs)} of the best): "
+            f"median IoU {ours}, {paper.iou:.3f} the paper's, whose pieces leave "
             f"{residual:.1g} of gaps, overlaps and outside"
         )
         if math.isfinite(self.seconds_exact) and math.isfinite(self.seconds_paper):
@@ -87,7 +97,8 @@ def _compared(row: Row) -> Compared:
     gaps, overlaps = max((abs(row[f"gap_{side}"]), abs(row[f"overlap_{side}"])) for side in "pq")
     exact = Figures(row["iou"], gaps, overlaps, 0.0, max(row["hausdorff_p"], row["hausdorff_q"]))
     names = ("paper_iou", "paper_gaps", "paper_overlaps", "paper_outside", "paper_hausdorff")
-    return Compared(row["rank"], row["name_i"], row["name_j"], exact, Figures(*(row[name] for name in names)))
+    paper = Figures(*(row[name] for name in names))
+    return Compared(row["rank"], row["name_i"], row["name_j"], exact, paper, row.get("unbent_iou"))
 
 
 def _seconds(row: Row) -> float:

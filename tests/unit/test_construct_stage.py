@@ -134,6 +134,9 @@ def test_both_methods_are_compared_where_both_were_tried() -> None:
     assert (exact.iou, other.iou, exact.hausdorff) == (0.8, 0.6, 0.02)
     assert astuple(other)[1:] == (0.001,) * 4 and exact.residual == pytest.approx(2e-15, abs=2e-15)
     assert (found.seconds_exact, found.seconds_paper) == (0.5, 4.5)
+    assert found.unbent is None and "bent" not in found.sentence
+    bent = read_comparison([row(1, 0.9, 0.8) | {"unbent_iou": 0.85}], timings)
+    assert bent is not None and bent.unbent == 0.85 and "0.900 bent and exact, 0.850 exact" in bent.sentence
     assert (
         "(3 of the best)" in found.sentence and "0.003 of gaps" in found.sentence and "4.5 s a pair" in found.sentence
     )
