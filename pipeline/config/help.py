@@ -23,7 +23,7 @@ def run_names() -> Choices:
     """Names that a command line of a run may give a value to, and values to choose from.
 
     >>> run_names()["select"]
-    ['global', 'paper']
+    ['global', 'paper', 'varied']
     """
     choices = group_choices()
     data = {"+dataset": choices.pop("dataset")}

@@ -6,11 +6,20 @@ plans no others.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages import motion
 from pipeline.stages.construct import certified
-from pipeline.stages.motion import run
 from pipeline.stages.stage import Stage
+from pipeline.store.artifact import Artifact
+
+
+def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
+    """A certified construction → its motion, as the stage ``motion``."""
+    return motion.run(inputs, parameters, spec)
 
 
 def items(progress: Progress) -> list[WorkItem]:

@@ -104,7 +104,7 @@ def test_accept_keeps_another_edit_s_work_to_do(project: Project) -> None:
     edited = project.configured(lambda c: replace(c, qcrs=replace(c.qcrs, sigma_e=0.2)))
     edited = edited.edit("riot.geometry.polyline", "def signed_area(", "def other_area(")
     assert call(edited, "accept") == CLEAN
-    assert {stage for stage, _ in references(edited.missing())} == {"qcrs", "select"}
+    assert {stage for stage, _ in references(edited.missing())} == {"qcrs", "qcrs_rare", "select"}
 
 
 def test_accept_with_topk_redoes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,7 @@ def test_both_methods_are_compared_on_the_trunks_of_a_run(tmp_path: Path) -> Non
     measured = json.loads((tmp_path / "figures.json").read_text(encoding="utf-8"))
     assert (measured["format"], measured["source"], len(measured["pairs"])) == (1, "transforms", 2)
     for pair in measured["pairs"]:
-        assert list(pair["ways"]) == ["paper", "exact", "exact, refined"]
+        assert list(pair["ways"]) == ["paper", "exact", "exact, refined", "exact, bent"]
         for way, figures in pair["ways"].items():
             assert figures["iou"] > 0.99, way
             left = figures["gaps"] + figures["overlaps"] + figures["outside"]

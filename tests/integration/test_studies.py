@@ -45,8 +45,10 @@ QUICK = {
     "groundtruth": ("pairs=1", "keep=3", "few=1"),
     "parameters": ("pairs=1", "shapes=2", "spacing=[12]", "tau_s=[]", "tau_c=[0.2]", "sigma_pa=[2]", "sigma_w=[]"),
     "quiz": ("pairs=2", "margin=0"),
+    "recognition": (),
     "sigmas": ("sigma_area=[0.2]", "pairs=20", "draws=50", "shapes=4", "repeats=1"),
     "timing": (),
+    "variety": (),
 }
 
 
