@@ -114,7 +114,7 @@ class SelectConfig(ParameterGroup):
         f"{', '.join(f'{policy} {breadth}' for policy, breadth in BREADTH.items())}.",
     )
     pool: int = parameter(
-        3,
+        4,
         at_least=1,
         meaning="So many times more pairs than top are constructed, to choose from (policy varied).",
     )

@@ -73,7 +73,7 @@ def varied(
     likeness: LikenessParameters,
 ) -> IntArray:
     """Rows of the pairs (k, 2) to choose from: in turn the next of those whose trunks allow the least deformation, and
-    the next of a cover of what they show.
+    the next two of a cover of what they show.
 
     Bounds say little of how well a result is recognised, hence the cover; without the other list it would pass by the
     best of what has been shown. Of near-duplicates only the pair of greatest bound counts.
@@ -83,7 +83,7 @@ def varied(
     by_bound = possible[np.argsort(-bounds[possible], kind="stable")].tolist()
     groups = groups_of(pairs[possible], classes, collected.cluster)
     by_cover = possible[greedy_cover(bounds[possible], groups, settings.constructed)].tolist()
-    turns = (row for both in zip_longest(by_bound, by_cover) for row in both if row is not None)
+    turns = (row for three in zip_longest(by_bound, by_cover[::2], by_cover[1::2]) for row in three if row is not None)
     return np.array([*dict.fromkeys(turns)][: settings.constructed], dtype=np.int64)
 
 

@@ -93,7 +93,7 @@ def test_wishes(collected: Collected) -> None:
 def test_the_shortlist_takes_the_best_bound_and_what_is_new_in_turn(collected: Collected) -> None:
     bounds, pairs = np.array([0.99, 0.98, 0.97, 0.9, 0.0]), np.array([(0, 2), (0, 3), (0, 4), (4, 5), (3, 5)])
     settings = SelectConfig(top=3, pool=1)
-    assert varied(bounds, pairs, CLASSES, collected, settings, LIKENESS).tolist() == [0, 1, 3]
+    assert varied(bounds, pairs, CLASSES, collected, settings, LIKENESS).tolist() == [0, 3, 1]
     settings = SelectConfig(top=10, pool=1)
     assert sorted(varied(bounds, pairs, CLASSES, collected, settings, LIKENESS).tolist()) == [0, 1, 2, 3]
 
