@@ -233,6 +233,16 @@ class TestCommand:
         assert main([*given, "--into", *pictures]) == BAD
         assert "is there already" in capsys.readouterr().err
 
+    def test_tells_other_programs_the_same(
+        self, model: Path, pictures: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        out = tmp_path / "out"
+        given = ["slices", str(model), "--count", "1", "--thickness", "20", "--along", "z", "-o", str(out), "--json"]
+        assert main([*given, "--into", pictures[0], "--pin", "1.75"]) == MADE
+        document = json.loads(capsys.readouterr().out)
+        assert document["folder"] == str(out)
+        assert document["set"] == json.loads((out / "set.json").read_text(encoding="utf-8"))
+
     @pytest.mark.parametrize(
         ("options", "message"),
         [
