@@ -11,7 +11,7 @@ from omegaconf import OmegaConf
 
 from pipeline.config.command_line import check_command, complete
 from pipeline.config.conf_files import CONF, group_choices, parameter_groups, plain_defaults
-from pipeline.config.schema import Config, SelectConfig
+from pipeline.config.schema import BendConfig, Config, SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.datasets.sample import definitions
 from pipeline.plan.sources import ROOT
@@ -49,9 +49,10 @@ def test_every_file_says_what_it_is_for(path: Path) -> None:
     assert path.read_text(encoding="utf-8").startswith("# ")
 
 
-def test_the_defaults_of_a_run_are_those_of_the_schema_but_for_the_selection_of_the_sample() -> None:
+def test_the_defaults_of_a_run_are_those_of_the_schema_but_for_the_haste_of_the_sample() -> None:
     sample = check_command(complete([]))
-    assert replace(sample, select=SelectConfig()) == Config(dataset=DatasetConfig())
+    assert replace(sample, select=SelectConfig(), bend=BendConfig()) == Config(dataset=DatasetConfig())
+    assert sample.bend.method == BendConfig().method and sample.bend.steps < BendConfig().steps
     assert sample.select.top < SelectConfig().top
     assert check_command(complete(["+dataset=folder", "dataset.root=pictures"])).select == SelectConfig()
 
