@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.config.schema import Config
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.ingest import shape_key
+from pipeline.stages.planning import of_shapes
 from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
 from pipeline.stages.shortlist import shortlisted
 from pipeline.stages.stage import Stage
@@ -68,13 +68,9 @@ def bends(config: Config) -> bool:
 
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for each shape of the shortlisted pairs, by position."""
-    recipe, ingest, refined = progress.recipes["modes"], progress.work["ingest"], progress.finished("refine")
-    work = []
-    for position in sorted({member for number in shortlisted(progress) for member in refined[number].members}):
-        batch, index = progress.locate(position)
-        parts = recipe.parts([shape_key(progress, position)])
-        work.append(recipe.item(parts, [ingest[batch].reference], spec=index, members=[position]))
-    return work
+    refined = progress.finished("refine")
+    members = (member for number in shortlisted(progress) for member in refined[number].members)
+    return of_shapes(progress, "modes", members)
 
 
 STAGE = Stage(

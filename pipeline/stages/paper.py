@@ -17,6 +17,7 @@ from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
 from riot import construction, transform
+from riot.errors import ConstructionError
 from riot.parameters import ConstructParameters
 
 if TYPE_CHECKING:
@@ -37,10 +38,10 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Spec | None
     errors: list[ErrorRow] = []
     row: dict[str, Any] = {}
     if unbent and spec is not None:
-        as_it_is = attempt(0, lambda: _unbent(unbent, settings, reach, spec), errors)
-        if as_it_is is None:
-            return Artifact({}, {"errors": []})  # only a bend makes this pair a transform, which is no mistake
-        exact = as_it_is
+        try:
+            exact = _unbent(unbent, settings, reach, spec)
+        except ConstructionError:  # only a bend makes this pair a transform
+            return Artifact({}, {"errors": errors})
         row["unbent_iou"] = transform.deformation.measure_deformation(exact).iou
 
     def approximate() -> Transform:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from pipeline.datasets.colours import may_be_coloured
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages.ingest import shape_key
 
 
 def after_each(progress: Progress, stage: str, earlier: str) -> list[WorkItem]:
@@ -32,6 +35,20 @@ def between_batches(progress: Progress, stage: str) -> list[WorkItem]:
                 )
             )
     return blocks
+
+
+def of_shapes(progress: Progress, stage: str, positions: Iterable[int]) -> list[WorkItem]:
+    """A work item for each shape at ``positions``, by position; ``spec`` is its index in its batch.
+
+    Its key depends on the shape and not on its batch, so that it stays if the batch changes.
+    """
+    recipe, ingest = progress.recipes[stage], progress.work["ingest"]
+    work = []
+    for position in sorted(set(positions)):
+        batch, index = progress.locate(position)
+        parts = recipe.parts([shape_key(progress, position)])
+        work.append(recipe.item(parts, [ingest[batch].reference], spec=index, members=[position]))
+    return work
 
 
 def after_motion(progress: Progress, stage: str, motion: WorkItem) -> WorkItem:

@@ -57,9 +57,13 @@ def _number(pair: TrunkPair, pairs: Sequence[TrunkPair]) -> int:
     return next(number for number, candidate in enumerate(pairs) if candidate is pair)
 
 
-def bound(artifact: Artifact) -> float:
-    """The greatest IoU of the worse shape that any plan allows; 0 without a plan."""
-    return float(artifact.arrays["bounds"][artifact.document["first"] :].min(axis=1).max(initial=0.0))
+def bound(artifact: Artifact, pieces: Sequence[int] = ()) -> float:
+    """The greatest IoU of the worse shape that any plan allows, or any of so many ``pieces``; 0 without a plan."""
+    bounds, sizes = artifact.arrays["bounds"].min(axis=1), np.diff(artifact.arrays["offsets"])
+    reached = np.arange(len(bounds)) >= artifact.document["first"]
+    if pieces:
+        reached &= np.isin(sizes, pieces)
+    return float(bounds[reached].max(initial=0.0))
 
 
 def unpack_plans(

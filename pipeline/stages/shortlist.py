@@ -50,7 +50,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Refined) ->
     if settings.policy == "varied":
         things = inputs[-1].arrays if spec.described else {}
         collected = Collected.of(things, len(spec.classes))
-        bounds = np.array([_bound(plans, settings.pieces) for plans in inputs[: len(spec.pairs)]])
+        bounds = np.array([bound(plans, settings.pieces) for plans in inputs[: len(spec.pairs)]])
         pairs = np.array(spec.pairs, dtype=np.int64).reshape(-1, 2)
         return Artifact({"positions": varied(bounds, pairs, spec.classes, collected, settings, likeness)})
     bounds = np.array([bound(plans) for plans in inputs])
@@ -96,14 +96,6 @@ def items(progress: Progress) -> list[WorkItem]:
     sources = [*refined, *things]
     parts = recipe.parts([item.key for item in sources], digest_text(repr(spec)))
     return [recipe.item(parts, [item.reference for item in sources], spec=spec)]
-
-
-def _bound(plans: Artifact, pieces: Sequence[int]) -> float:
-    """The greatest IoU of the worse shape that a plan of so many pieces allows, of any number without ``pieces``."""
-    if not pieces:
-        return bound(plans)
-    allowed = np.isin(np.diff(plans.arrays["offsets"]), pieces)
-    return float(plans.arrays["bounds"].min(axis=1)[allowed].max(initial=0.0))
 
 
 def shortlisted(progress: Progress) -> list[int]:

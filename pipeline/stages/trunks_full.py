@@ -7,7 +7,7 @@ from typing import Any
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.ingest import shape_key
+from pipeline.stages.planning import of_shapes
 from pipeline.stages.select import selected
 from pipeline.stages.shape_arrays import ErrorRow, attempt, expect_shape
 from pipeline.stages.stage import Stage
@@ -27,14 +27,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: int) -> Art
 
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for each shape of the selected pairs, by position."""
-    recipe, ingest = progress.recipes["trunks_full"], progress.work["ingest"]
-    work = []
-    for position in sorted({int(position) for position in selected(progress).pairs.ravel()}):
-        batch, index = progress.locate(position)
-        # The key depends on the shape and not on its batch, so that it stays if the batch changes.
-        parts = recipe.parts([shape_key(progress, position)])
-        work.append(recipe.item(parts, [ingest[batch].reference], spec=index, members=[position]))
-    return work
+    return of_shapes(progress, "trunks_full", selected(progress).pairs.ravel().tolist())
 
 
 STAGE = Stage(

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from pipeline.config.build import make_config
-from pipeline.stages import bend, construct, modes
+from pipeline.stages import bend, construct, modes, paper
 from pipeline.stages.all import STAGES
 from pipeline.stages.crs import pack_scores
+from pipeline.stages.refine import bound, unpack_plans
 from pipeline.stages.refine import run as refine
-from pipeline.stages.refine import unpack_plans
 from pipeline.stages.shape_arrays import pack_shapes, unpack_shape
 from pipeline.stages.trunk_arrays import pack_trunks, unpack_trunks
 from pipeline.store.artifact import Artifact, decode, encode
@@ -111,6 +111,23 @@ def test_without_modes_or_bent_plans_the_shapes_are_cut_as_they_are() -> None:
     found = bend.run([batch, batch, *rest[:2], none, bent()[1], *rest[2:]], [BEND, REFINEMENT, *LIMITS], (0, 1))
     assert bend.unpack_bent(none, bent()[1], stored(found), *shapes(), REFINEMENT.reach) == []
     assert constructed(none, bent()[1], stored(found)).document == constructed().document
+
+
+def test_the_bound_is_that_of_plans_that_keep_contact_and_have_so_many_pieces() -> None:
+    arrays = {"bounds": np.array([[0.99, 0.98], [0.9, 0.95], [0.8, 0.7]]), "offsets": np.array([0, 5, 9, 14])}
+    artifact = Artifact(arrays, {"first": 1})
+    assert (bound(artifact), bound(artifact, [5]), bound(artifact, [3])) == (0.9, 0.7, 0.0)
+
+
+def test_the_paper_stands_beside_the_transform_without_a_bend() -> None:
+    made = constructed(*bent())
+    found = paper.run([made, *inputs()[:4]], [CONSTRUCTION, REFINEMENT.reach], NAMES).document
+    plain = constructed().document
+    assert found["unbent_iou"] == min(plain["iou_p"], plain["iou_q"])
+    assert 0.0 < found["paper_iou"] < 1.0
+    hopeless = ConstructParameters(max_lost_contact=0.0, max_cut_off=0.0)
+    none = paper.run([made, *inputs()[:4]], [hopeless, REFINEMENT.reach], NAMES).document
+    assert none == {"errors": []}
 
 
 def test_a_run_bends_only_if_it_is_asked_to() -> None:
