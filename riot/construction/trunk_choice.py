@@ -53,7 +53,7 @@ def construct(
         With ``method="elastic"`` both shapes are bent a little first, and the transform is that of the bent shapes,
         ``p`` and ``q``; it keeps a and b as ``input_p`` and ``input_q``.
         `riot.construction.bend.bend_best` tells how they are bent. Plans that are not bent are tried after those that
-        are. Not with pins.
+        are. Pins are of the inputs, and go along with the bend.
     stiff : StiffRegions, optional
         Parts of either shape that bend less; without a bend they mean nothing.
 
@@ -105,9 +105,5 @@ def construct_from(
     """
     if bend is None or bend.method == "off" or not plans:
         return construct_plans(plans, unplanned, parameters, pins)
-    if pins:
-        raise ConstructionError(
-            "pins", "pins are sections of the inputs' outlines, which a bend moves: use pins or a bend"
-        )
     bent = bend_best(plans, bend, refinement, parameters, stiff)
-    return construct_bent(bent, plans, unplanned, bend, parameters)
+    return construct_bent(bent, plans, unplanned, bend, parameters, pins)

@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from PIL import Image, ImageDraw
 
 from riot import Shape, Transform, load_stiff, to_frame
 from riot.cli.main import main
-from riot.construction import construct
+from riot.construction import Pins, construct, keep
+from riot.construction.tuning import LEAF_RADIUS, PIN_TOLERANCE
 from riot.draw.figure import figure_scene
 from riot.draw.panels import deformation_marks, input_marks
 from riot.draw.scene import Label, Mark, Region
@@ -30,6 +32,7 @@ from riot.parameters import BendParameters
 from riot.transform.deformation import measure_deformation, overlap_ratio
 from riot.transform.provenance import file_digest
 from riot.transform.riot_file import MAX_POINTS, from_json, to_json
+from riot.units import L_C
 
 HOUSE = [(40, 210), (40, 110), (120, 30), (200, 110), (200, 210)]
 FISH = [(20, 120), (90, 60), (170, 110), (230, 60), (215, 125), (230, 190), (170, 140), (90, 190)]
@@ -236,6 +239,19 @@ def test_textures_are_carried_back_to_the_input(transform: Transform, side: Side
     # The middle of the assembled shape's disc is where the warp says that the input's middle goes.
     at = unbent.points[np.abs(warp.images).sum(axis=1).argmin()][None]
     assert texture.colours(0, at, 0.001)[0].tolist() == [40, 40, 200]
+
+
+def test_pins_hold_on_the_bent_outline(transform: Transform, inputs: tuple[Shape, Shape]) -> None:
+    points = bend_of(transform, "p").bent.points
+    from_outline = shapely.distance(shapely.points(points), shapely.LinearRing(transform.outline_p()))
+    from_hinges = np.hypot(*(points[:, None] - transform.trunk_p).T).min(axis=0)
+    # Where cutting moves the outline most, away from the hinges, which it meets straight.
+    worst = int(np.where(from_hinges > 4.0 * LEAF_RADIUS * L_C, from_outline, 0.0).argmax())
+    assert from_outline[worst] > 10.0 * PIN_TOLERANCE
+    pinned = construct(*inputs, bend=BEND, pins=Pins(p=(keep(inputs[0].points[worst]),)))
+    kept = bend_of(pinned, "p").bent.points[worst]
+    assert shapely.distance(shapely.points(kept), shapely.LinearRing(pinned.outline_p())) < PIN_TOLERANCE
+    assert pinned.certificate().passed
 
 
 def stiff_file(path: Path, **changes: Any) -> Path:
