@@ -3,6 +3,6 @@
 from setuptools import find_packages, setup
 
 setup(
-    packages=[*find_packages(include=["riot*", "pipeline*"]), "pipeline.conf"],
+    packages=[*find_packages(include=["riot*", "pipeline*", "studio*"]), "pipeline.conf"],
     package_dir={"pipeline.conf": "conf"},
 )

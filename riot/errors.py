@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 DISTRIBUTION = "riot-shapes"
 """What pip installs."""
@@ -53,6 +54,31 @@ class ConstructionError(RiotError, ValueError):
 
     def __reduce__(self) -> tuple[type[ConstructionError], tuple[str, str]]:
         return type(self), (self.reason, str(self))
+
+
+class PinError(ConstructionError):
+    """A pin that cannot be met; its ``reason`` is ``pins``.
+
+    ``pin`` is its number among those of its shape, ``points`` (k, 2) where it is in the shape's frame, and ``side`` the
+    shape, "p" or "q"; None, empty and "" if it is no single one.
+    """
+
+    def __init__(
+        self, message: str, pin: int | None = None, points: tuple[tuple[float, float], ...] = (), side: str = ""
+    ) -> None:
+        super().__init__("pins", message)
+        self.pin, self.points, self.side = pin, points, side
+
+    def of(self, pin: int, points: Iterable[Iterable[float]]) -> PinError:
+        """The same error, of the pin with this number."""
+        return PinError(str(self), pin, tuple((float(x), float(y)) for x, y in points), self.side)
+
+    def on(self, side: str) -> PinError:
+        """The same error, of the shape "p" or "q"."""
+        return PinError(str(self), self.pin, self.points, side)
+
+    def __reduce__(self) -> tuple[type[PinError], tuple[Any, ...]]:
+        return type(self), (str(self), self.pin, self.points, self.side)
 
 
 class FormatError(RiotError, ValueError):

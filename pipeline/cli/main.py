@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
+import studio  # lazy
 from pipeline import cli
 from pipeline.exit_codes import BAD_START, CLEAN
 from pipeline.study.registry import STUDIES
@@ -73,6 +74,9 @@ RIOT: Group = Group(
         "cache": CACHE,
         "fetch": FETCH,
         **COMMANDS,
+        "studio": Command(
+            "work on a transform in the browser", lambda: studio.command, "studio", "Ended; everything is kept."
+        ),
         "slices": Command(COMMANDS["slices"].summary, lambda: cli.slices, "mine"),
         "completion": Command(
             "print a script that completes commands in a shell", lambda: library.completion.CompletionCommand(RIOT)

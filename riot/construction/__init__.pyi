@@ -10,6 +10,7 @@ from . import contact as contact
 from . import detail as detail
 from . import dissected_plan as dissected_plan
 from . import dissection as dissection
+from . import drawn_lines as drawn_lines
 from . import given_trunks as given_trunks
 from . import junctions as junctions
 from . import laplacian as laplacian
@@ -17,10 +18,12 @@ from . import mesh as mesh
 from . import partition as partition
 from . import pinned_paths as pinned_paths
 from . import pins as pins
+from . import placed_outline as placed_outline
 from . import plan as plan
 from . import plan_search as plan_search
 from . import plan_transform as plan_transform
 from . import refine as refine
+from . import replan as replan
 from . import side_file as side_file
 from . import stiff as stiff
 from . import tree as tree

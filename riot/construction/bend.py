@@ -243,7 +243,7 @@ def _promising(
     for plan in plans:
         if len(distinct) == count:
             break
-        if not any(_is_near(plan.trunks, other.trunks) for other in distinct):
+        if not any(is_near(plan.trunks, other.trunks) for other in distinct):
             distinct.append(plan)
     keeping = next((plan for plan in plans if _can_be_cut(plan, construction)), None)
     if keeping is None or keeping in distinct:
@@ -251,8 +251,14 @@ def _promising(
     return [*distinct[: count - 1], keeping]
 
 
-def _is_near(trunks: FloatArray, others: FloatArray) -> bool:
-    """Whether all corners of conjugate trunks (2, n, 2) lie near those of others in some order."""
+def is_near(trunks: FloatArray, others: FloatArray) -> bool:
+    """Whether all corners of conjugate trunks (2, n, 2) lie near those of others in some order.
+
+    >>> from riot.construction import alternatives
+    >>> trunks = alternatives(house, kite)[0].trunks
+    >>> is_near(trunks, trunks), is_near(trunks, trunks + 0.1)
+    (True, False)
+    """
     n = trunks.shape[1]
     return trunks.shape == others.shape and any(
         np.abs(trunks - np.roll(others, shift, axis=1)).max() < NEAR_COPY for shift in range(n)

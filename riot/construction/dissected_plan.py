@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 
 from riot.construction.contact import backwards
 from riot.construction.dissection import Dissection, dissect
 from riot.construction.pinned_paths import pinned_paths
 from riot.construction.pins import Pins
-from riot.errors import ConstructionError
+from riot.errors import PinError
 from riot.geometry.polyline import edge_lengths
 from riot.parameters import ConstructParameters, DetailParameters
 from riot.transform.certificate import certify
@@ -41,7 +43,7 @@ class DissectedPlan:
     upper: Dissection
 
     def transform(self, pins: Pins | None = None) -> Transform:
-        """Cut the pieces. Raises ConstructionError ``pins`` if a pin cannot be met.
+        """Cut the pieces. Raises `riot.errors.PinError` if a pin cannot be met.
 
         Without pins, the detail of a tree gives way to its middle lines where only these unfold without crossings. With
         pins nothing gives way: the certificate says whether the pieces tile both shapes.
@@ -63,15 +65,19 @@ class DissectedPlan:
 
     def _pinned(self, pins: Pins) -> Transform:
         plan = self.plan
-        transform = self._cut(
-            pinned_paths(self.lower, plan.trunk_p[::-1], pins.p, plan.pair.p.name or "P"),
-            pinned_paths(self.upper, plan.trunk_q, pins.q, plan.pair.q.name or "Q"),
-        )
+        try:
+            lower = pinned_paths(self.lower, plan.trunk_p[::-1], pins.p, plan.pair.p.name or "P")
+        except PinError as error:
+            raise error.on("p") from None
+        try:
+            upper = pinned_paths(self.upper, plan.trunk_q, pins.q, plan.pair.q.name or "Q")
+        except PinError as error:
+            raise error.on("q") from None
+        transform = self._cut(lower, upper)
         if not certify(transform).passed:
-            raise ConstructionError(
-                "pins",
-                f"with these pins the pieces do not unfold ({certify(transform).failure}): move them, or pin less",
-            )
+            message = f"with these pins the pieces do not unfold ({certify(transform).failure}): move them, or pin less"
+            side, crossing = _crossing(transform)
+            raise PinError(message, None, crossing, side)
         return transform
 
     def _cut(self, lower: Sequence[FloatArray], upper: Sequence[FloatArray]) -> Transform:
@@ -112,6 +118,15 @@ def dissect_plan(
         dissect(plan.trunk_q[::-1], lower, parameters, "Q's trunk", detail),
         dissect(plan.trunk_p, upper, parameters, "P's trunk", detail),
     )
+
+
+def _crossing(transform: Transform) -> tuple[str, tuple[tuple[float, float], ...]]:
+    """The side whose outline crosses itself, and where; nothing if none does."""
+    for side, outline in (("p", transform.outline_p()), ("q", transform.outline_q())):
+        place = re.search(r"\[(\S+) (\S+)\]", shapely.is_valid_reason(shapely.Polygon(outline)))
+        if place:
+            return side, ((float(place[1]), float(place[2])),)
+    return "", ()
 
 
 def _in_piece_frame(path: FloatArray, start: FloatArray, stop: FloatArray, length: float) -> FloatArray:

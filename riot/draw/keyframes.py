@@ -23,6 +23,16 @@ class Keyframes:
     origins: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class Knots:
+    """Poses of a motion: k ``times``, (k, n) ``headings``, radians, and (k, 2) ``middles``, the mean of the middles of
+    the n edges."""
+
+    times: FloatArray
+    headings: FloatArray
+    middles: FloatArray
+
+
 def eased(frames: int) -> FloatArray:
     """(frames + 1,) times from 0 to 1, slow at both ends.
 
@@ -46,27 +56,32 @@ def loop_seconds(frames: int) -> float:
 def keyframes(motion: Motion, times: FloatArray) -> Keyframes:
     """Compute `Motion.pose_at` at all ``times`` (k,) in [0, 1] at once.
 
-    Between two knots all headings, and the mean of the edges' middles, change evenly. So poses are asked for at the
-    knots alone; at the other times the pieces are laid one after another, and then all together where they belong.
+    Poses are asked for at the `knots` alone; at the other times the pieces are laid one after another, and then all
+    together where they belong.
     """
-    knots = _knots(motion)
-    known = [motion.pose_at(float(t)) for t in knots]
-    at_knots = np.array([pose.headings for pose in known])
-    headings = _between(times, knots, at_knots)
+    known = knots(motion)
+    headings = _between(times, known.times, known.headings)
     n = len(motion.chain.lengths)
-    edges, known_edges = _edges(motion, headings), _edges(motion, at_knots)
+    edges = _edges(motion, headings)
     chain = (motion.open_hinge + np.arange(n)) % n
     origins = np.zeros_like(edges)
     origins[:, chain[1:]] = np.cumsum(edges[:, chain[:-1]], axis=1)
-    middles = _between(times, knots, _middle(np.array([pose.origins for pose in known]), known_edges))
+    middles = _between(times, known.times, known.middles)
     return Keyframes(headings, origins + (middles - _middle(origins, edges))[:, None])
 
 
-def _knots(motion: Motion) -> FloatArray:
-    """Times between which every hinge turns evenly, and the chain as a whole is carried evenly."""
+def knots(motion: Motion) -> Knots:
+    """The few poses from which all others follow: between two of them headings and middles change evenly.
+
+    >>> from riot.motion import motion_of
+    >>> knots(motion_of(transform)).headings.shape[1]  # pieces
+    4
+    """
     carried = () if motion.flat else (LIFT, 1.0 - LIFT)
-    knots: FloatArray = np.unique([0.0, *carried, 1.0, *motion.times])
-    return knots
+    times = np.unique([0.0, *carried, 1.0, *motion.times])
+    poses = [motion.pose_at(float(t)) for t in times]
+    headings = np.array([pose.headings for pose in poses])
+    return Knots(times, headings, _middle(np.array([pose.origins for pose in poses]), _edges(motion, headings)))
 
 
 def _between(times: FloatArray, knots: FloatArray, values: FloatArray) -> FloatArray:

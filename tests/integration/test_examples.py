@@ -20,7 +20,7 @@ SPECIAL = "__geo_interface__"
 
 MODULES = sorted(
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
-    for package in ("riot", "pipeline")
+    for package in ("riot", "pipeline", "studio")
     for path in (ROOT / package).rglob("*.py")
     if ">>> " in path.read_text(encoding="utf-8")
 )

@@ -19,7 +19,7 @@ from pipeline.plan.code_digest import code_digests
 from pipeline.stages.all import STAGES
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("riot", "pipeline")
+PACKAGES = ("riot", "pipeline", "studio")
 LATE = ("pipeline.runtime.admission",)
 """A module with a function that is sent to other processes by itself."""
 

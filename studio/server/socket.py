@@ -1,0 +1,51 @@
+"""A tab's connection: requests in, news out."""
+
+from __future__ import annotations
+
+import asyncio
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from riot.errors import FormatError
+from studio.live import news
+from studio.live.requests import follow
+from studio.live.session import LiveSession, Send
+from studio.live.studio import Studio
+from studio.messages import MAX_BYTES, RequestError, read_request
+
+
+async def connect(websocket: WebSocket) -> None:
+    """Serve a tab until it is closed."""
+    studio: Studio = websocket.app.state.studio
+    try:
+        session = studio.session(websocket.path_params["session"])
+    except (KeyError, FormatError):
+        await websocket.close(1008, "there is no such session")
+        return
+    await websocket.accept()
+    turn = asyncio.Lock()
+
+    async def send(data: bytes) -> None:
+        async with turn:
+            await websocket.send_text(data.decode("utf-8"))
+
+    try:
+        await session.join(send)
+        while True:
+            text = await websocket.receive_text()
+            await _answer(session, text, send)
+    except WebSocketDisconnect:
+        pass
+    finally:
+        session.leave(send)
+
+
+async def _answer(session: LiveSession, text: str, send: Send) -> None:
+    try:
+        if len(text) > MAX_BYTES:
+            raise RequestError(f"a message of {len(text)} characters is longer than the limit of {MAX_BYTES}")
+        request = read_request(text)
+    except RequestError as error:
+        await send(news.encoded(news.Refused(0, str(error))))
+        return
+    session.spawn(follow(session, request))

@@ -1,0 +1,45 @@
+"""What a computation gives back: the state that follows, the files that are new, and the scene to be shown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from msgspec import json
+
+from riot.transform.riot_file import to_json
+from riot.transform.transform import Transform
+from studio.scene import scene_of, thumbnail_of
+from studio.session.folder import digest_of
+from studio.session.state import State
+
+
+@dataclass(frozen=True)
+class Made:
+    """A transform: its digest, its text, and its scene as JSON; of a draft the text is empty."""
+
+    digest: str
+    text: bytes
+    scene: bytes
+    worth: float = 0.0
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A state, what is shown of it, and further transforms that it names."""
+
+    state: State
+    shown: Made
+    others: tuple[Made, ...] = ()
+
+
+def kept(transform: Transform, *, thumbnail: bool = False, worth: float = 0.0) -> Made:
+    """A transform to be kept, with the scene that shows it."""
+    text = to_json(transform).encode("utf-8")
+    digest = digest_of(text)
+    scene = thumbnail_of(transform, digest) if thumbnail else scene_of(transform, digest)
+    return Made(digest, text, json.encode(scene), worth)
+
+
+def draft(transform: Transform) -> Made:
+    """A transform that is shown once, while something moves."""
+    return Made("", b"", json.encode(scene_of(transform, "draft", quick=True)))

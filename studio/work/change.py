@@ -1,0 +1,197 @@
+"""Answer an edit: the state that follows, without a new search where the trunks stay."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+import shapely
+from msgspec import structs
+
+from riot.construction.bend import bend_plan
+from riot.construction.dissected_plan import dissect_plan
+from riot.construction.drawn_lines import add_line, pull
+from riot.construction.pins import Pin as GeometryPin
+from riot.construction.pins import Pins
+from riot.construction.plan import ConstructionPlan
+from riot.construction.plan_transform import construct_plan, construct_plans
+from riot.construction.refine import refine
+from riot.construction.replan import plan_of, unbent_plan, with_corner
+from riot.errors import ConstructionError, TrunkError
+from riot.parameters import BendParameters, ConstructParameters, RefineParameters
+from riot.transform.transform import Transform
+from riot.types import FloatArray
+from studio.messages import (
+    Choose,
+    Corner,
+    Draw,
+    Edit,
+    Keep,
+    Pull,
+    RequestError,
+    Side,
+    Stiff,
+    Unpin,
+    Unstiff,
+    Weight,
+    flat_of,
+    points_of,
+)
+from studio.session.state import Pin, State, StiffRegion
+from studio.work.answer import Answer, draft, kept
+from studio.work.material import Files, back, dissected, pins_of, side_pins, transform
+from studio.work.search import both_modes, found_plans
+
+DRAFT_BEND = BendParameters(method="elastic", sketch_steps=6, steps=0)
+"""A bend that is answered while a slider is dragged."""
+
+EXACT_BEND = BendParameters(method="elastic")
+
+DIGITS = 9
+"""Decimals of pins and regions that are kept: a millionth of a pixel."""
+
+Item = TypeVar("Item")
+
+STROKE_TOLERANCE = 0.01
+"""Douglas–Peucker tolerance of a painted region, in the unit-area frame."""
+
+
+def change(state: State, edit: Edit, files: Files, quick: bool) -> Answer:
+    """What follows from an edit of a state that shows a transform; ``quick``: a draft, not to be kept.
+
+    Raises `riot.errors.RiotError` if it cannot be done, `riot.errors.PinError` with the place where.
+    """
+    if state.base is None or state.root is None:
+        raise RequestError("there is no transform yet that could be edited")
+    base = transform(files, state.base)
+    match edit:
+        case Draw(side, line):
+            pins = add_line(dissected(files, state.base), side, _pins(state, base, side), points_of(line))
+            return _pinned(_with_pins(state, base, side, pins, "draw"), files, quick)
+        case Pull(side, at, to, reach):
+            pins = _pins(state, base, side)
+            pins = pull(dissected(files, state.base), side, pins, points_of(at)[0], points_of(to)[0], reach)
+            return _pinned(_with_pins(state, base, side, pins, "pull"), files, quick)
+        case Keep(side, points):
+            pins = (*_pins(state, base, side), GeometryPin(points_of(points)))
+            return _pinned(_with_pins(state, base, side, pins, "keep"), files, quick)
+        case Unpin(side, index):
+            pins = _without(_pins(state, base, side), index, "pin")
+            return _pinned(_with_pins(state, base, side, pins, "unpin"), files, quick)
+        case Corner(side, corner, to):
+            lines = RefineParameters().bound_lines
+            plan = with_corner(plan_of(base), side, corner, points_of(to)[0], lines)
+            return _planned(structs.replace(state, step="move corner"), plan, True, quick)
+        case Choose(digest):
+            chosen = structs.replace(state, step="choose", root=digest, base=digest)
+            return _pinned(chosen, files, quick)
+        case Weight(weight):
+            return _bent(structs.replace(state, step="weight", weight=weight), files, quick)
+        case Stiff(side, stroke, radius, factor):
+            region = _painted(back(points_of(stroke), base, side), radius, factor)
+            return _stiffened(state, side, (*state.stiff(side), region), files, quick)
+        case Unstiff(side, index):
+            return _stiffened(state, side, _without(state.stiff(side), index, "stiff region"), files, quick)
+    raise RequestError("this edit needs no transform, and is no change of one")
+
+
+def _pins(state: State, base: Transform, side: Side) -> tuple[GeometryPin, ...]:
+    return side_pins(state.pins(side), base, side)
+
+
+def _with_pins(state: State, base: Transform, side: Side, pins: tuple[GeometryPin, ...], step: str) -> State:
+    """A state with other pins of one side, which are those of the shapes of ``base``."""
+    kept_pins = tuple(
+        Pin("draw" if pin.drawn else "keep", tuple(flat_of(back(pin.points, base, side), DIGITS))) for pin in pins
+    )
+    return structs.replace(state, step=step, **{f"pins_{side}": kept_pins})
+
+
+def _without(items: tuple[Item, ...], index: int, noun: str) -> tuple[Item, ...]:
+    if index >= len(items):
+        raise RequestError(f"there is no {noun} {index}: there are {len(items)}")
+    return items[:index] + items[index + 1 :]
+
+
+def _pinned(state: State, files: Files, quick: bool) -> Answer:
+    """Cut the pieces of a state's base again, with its pins; the partitions stay."""
+    assert state.base is not None
+    base = transform(files, state.base)
+    pins = pins_of(state, base)
+    return _answer(state, dissected(files, state.base).transform(pins) if pins else base, quick)
+
+
+def _answer(state: State, shown: Transform, quick: bool) -> Answer:
+    if quick:
+        return Answer(state, draft(shown))
+    made = kept(shown)
+    return Answer(structs.replace(state, shown=made.digest), made)
+
+
+def _planned(state: State, plan: ConstructionPlan, as_root: bool, quick: bool) -> Answer:
+    """Cut on another plan, which becomes the base of the state, and its root as well if ``as_root``."""
+    if quick:
+        plans = dissect_plan(plan, ConstructParameters())
+        base = plans.transform()
+        pins = pins_of(state, base)
+        return _answer(state, plans.transform(pins) if pins else base, quick)
+    base = construct_plan(plan, ConstructParameters())
+    return _based(state, base, construct_plan(plan, ConstructParameters(), _some(pins_of(state, base))), as_root)
+
+
+def _based(state: State, base: Transform, shown: Transform | None, as_root: bool) -> Answer:
+    made = kept(base)
+    state = structs.replace(state, base=made.digest, root=made.digest if as_root else state.root)
+    if shown is None or not (state.pins_p or state.pins_q):
+        return Answer(structs.replace(state, shown=made.digest), made)
+    answer = _answer(state, shown, False)
+    return Answer(answer.state, answer.shown, (made,))
+
+
+def _some(pins: Pins) -> Pins | None:
+    return pins or None
+
+
+def _bent(state: State, files: Files, quick: bool) -> Answer:
+    """Bend the root's trunks and shapes as the state says."""
+    plan = _unbent(state, files)
+    if state.weight is None:
+        return _unbent_answer(state, plan, files, quick)
+    bend = replace(DRAFT_BEND if quick else EXACT_BEND, weight=state.weight)
+    return _planned(state, bend_plan(plan, *both_modes(state, files), bend).plan, False, quick)
+
+
+def _unbent_answer(state: State, plan: ConstructionPlan, files: Files, quick: bool) -> Answer:
+    """Refine the trunks for shapes that do not bend; where they give no transform, take the best that do."""
+    refinement = RefineParameters()
+    refined = refine(plan, refinement.steps, refinement)
+    try:
+        return _planned(state, refined, False, quick)
+    except ConstructionError:
+        base = construct_plans(found_plans(state, files), [], ConstructParameters())
+        pins = _some(pins_of(state, base))
+        shown = None if pins is None else dissect_plan(plan_of(base), ConstructParameters()).transform(pins)
+        return _answer(state, shown or base, True) if quick else _based(state, base, shown, False)
+
+
+def _unbent(state: State, files: Files) -> ConstructionPlan:
+    """The root's trunks on the inputs; the best trunks there are if those cannot be had without the bend."""
+    assert state.root is not None
+    try:
+        return unbent_plan(plan_of(transform(files, state.root)), RefineParameters().bound_lines)
+    except (ConstructionError, TrunkError):
+        return found_plans(state, files)[0]
+
+
+def _stiffened(state: State, side: Side, regions: tuple[StiffRegion, ...], files: Files, quick: bool) -> Answer:
+    state = structs.replace(state, step="stiffness", **{f"stiff_{side}": regions})
+    return _pinned(state, files, quick) if state.weight is None else _bent(state, files, quick)
+
+
+def _painted(stroke: FloatArray, radius: float, factor: float) -> StiffRegion:
+    """What a brush paints along a stroke."""
+    line = shapely.Point(stroke[0]) if len(stroke) == 1 else shapely.LineString(stroke)
+    region = line.buffer(radius).simplify(STROKE_TOLERANCE)
+    outline: FloatArray = np.asarray(shapely.get_coordinates(region.exterior)[:-1])
+    return StiffRegion(tuple(flat_of(outline, DIGITS)), factor)
