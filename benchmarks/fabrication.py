@@ -34,7 +34,8 @@ from rich.console import Console
 from rich.table import Table
 
 from riot.fabricate import BuiltPuzzle, FabricationError, FabricationParameters, build, fix
-from riot.fabricate.export.flat import parts_of, write_flat_files
+from riot.fabricate.export.flat import write_flat_files
+from riot.fabricate.export.flat_parts import flat_parts
 from riot.fabricate.export.solids import write_puzzle
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.kernels.warm import warm_all
@@ -147,26 +148,40 @@ def file_error(puzzle: BuiltPuzzle) -> float:
         for plate in sorted(folder.glob("*.3mf")):
             meshes += trimesh.load_scene(plate).geometry.items()
         solids = [abs(mesh.volume / volumes[name] - 1.0) if mesh.is_watertight else np.inf for name, mesh in meshes]
-        outlines = [flat_part.region.area for flat_part in parts_of(puzzle.design, "outlines")]
+        outlines = sorted(
+            flat_part.region.area
+            for flat_part in flat_parts(puzzle.design, "outlines")
+            for _ in range(flat_part.copies)
+        )
         flat = [
             abs(area / expected - 1.0)
-            for areas in (_svg_areas(folder / "laser-outlines.svg"), _dxf_areas(folder / "laser-outlines.dxf"))
-            for area, expected in zip(areas, outlines, strict=True)
+            for areas in (_svg_areas(folder), _dxf_areas(folder))
+            for area, expected in zip(sorted(areas), outlines, strict=True)
         ]
         return float(max(solids + flat))
 
 
-def _svg_areas(path: Path) -> list[float]:
-    """Areas of the closed paths, mm²."""
-    paths = ElementTree.parse(path).getroot().iter("{http://www.w3.org/2000/svg}path")
-    rings = (np.array(re.findall(r"-?[\d.]+", path.attrib["d"]), dtype=np.float64).reshape(-1, 2) for path in paths)
-    return [float(shapely.Polygon(ring).area) for ring in rings]
+def _svg_areas(folder: Path) -> list[float]:
+    """Areas of the outlines on all sheets, mm²."""
+    groups = [
+        group
+        for sheet in _sheets(folder, "svg")
+        for group in ElementTree.parse(sheet).getroot().iter("{http://www.w3.org/2000/svg}g")
+        if group.attrib["id"] == "cut"
+    ]
+    paths = [re.findall(r"-?[\d.]+", path.attrib["d"]) for group in groups for path in group]
+    return [float(shapely.Polygon(np.array(path, dtype=np.float64).reshape(-1, 2)).area) for path in paths]
 
 
-def _dxf_areas(path: Path) -> list[float]:
-    """Areas of the closed polylines, mm²."""
-    drawn = ezdxf.readfile(path).modelspace()  # type: ignore[attr-defined]
-    return [float(shapely.Polygon(np.array(path.get_points("xy"))).area) for path in drawn]  # type: ignore[attr-defined]
+def _dxf_areas(folder: Path) -> list[float]:
+    """Areas of the outlines on all sheets, mm²."""
+    drawn = [ezdxf.readfile(sheet).modelspace() for sheet in _sheets(folder, "dxf")]  # type: ignore[attr-defined]
+    paths = [path for space in drawn for path in space if path.dxf.layer == "CUT"]
+    return [float(shapely.Polygon(np.array(path.get_points("xy"))).area) for path in paths]  # type: ignore[attr-defined]
+
+
+def _sheets(folder: Path, suffix: str) -> list[Path]:
+    return [path for path in sorted(folder.glob(f"laser-outlines*.{suffix}")) if "-kerf" not in path.name]
 
 
 def show(rows: Sequence[Figures]) -> None:

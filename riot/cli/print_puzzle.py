@@ -67,6 +67,8 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     compile_used(output.note, __name__)
     puzzle = (fix if chosen.fix else build)(transform, parameters)
     _show(puzzle, output)
+    if paper:
+        output.show(*(f"warning: {words}" for words in export.flat.laser_notes(puzzle.design)))
     if not puzzle.certificate.passed:
         raise FabricationError("uncertified", "; ".join(puzzle.certificate.failures))
     files = write_puzzle(puzzle.design, puzzle.parts, puzzle.certificate, chosen.output, [write_paper] if paper else ())

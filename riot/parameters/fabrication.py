@@ -110,11 +110,19 @@ class FabricationParameters(ParameterGroup):
         source=MAKERS,
         meaning="Width of the laser's cut; it does not matter for printing.",
     )
+    sheet_mm: float = parameter(
+        3.0,
+        at_least=0.5,
+        at_most=20,
+        unit="mm",
+        source="ours, the usual plywood and acrylic of laser cutting",
+        meaning="Thickness of the laser's material; layers are stacked from it up to about the thickness.",
+    )
     bed_width_mm: float = parameter(
-        220.0, at_least=80, at_most=1000, unit="mm", source=MAKERS, meaning="Width of the printer's bed."
+        220.0, at_least=80, at_most=1000, unit="mm", source=MAKERS, meaning="Width of the bed of the printer or laser."
     )
     bed_depth_mm: float = parameter(
-        220.0, at_least=80, at_most=1000, unit="mm", source=MAKERS, meaning="Depth of the printer's bed."
+        220.0, at_least=80, at_most=1000, unit="mm", source=MAKERS, meaning="Depth of the bed of the printer or laser."
     )
 
     @property

@@ -71,7 +71,7 @@ def test_the_same_transform_gives_the_same_bytes(made: Artifact) -> None:
 
 def test_paperwork_comes_when_asked_for(made: Artifact) -> None:
     with_paper = run([PLANNED], [FabricationParameters(), False, True], None).arrays
-    assert {"assembly.pdf", "laser-outlines.svg", "puzzle-p.png"} <= with_paper.keys() - made.arrays.keys()
+    assert {"assembly.pdf", "laser-strips.svg", "puzzle-p.png"} <= with_paper.keys() - made.arrays.keys()
     assert all(np.array_equal(with_paper[name], data) for name, data in made.arrays.items())
 
 

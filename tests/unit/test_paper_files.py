@@ -20,6 +20,7 @@ from riot.draw.texture.paint import PlainTexture, find_textures
 from riot.draw.texture.source import ByteArray
 from riot.fabricate import Design, FabricationParameters, design
 from riot.fabricate.export.flat import FlatFormatError
+from riot.fabricate.export.flat_parts import KINDS
 from riot.fabricate.export.page import page_scenes, write_page
 from riot.fabricate.export.paper import Frame
 from riot.fabricate.export.paperwork import write_paperwork
@@ -202,7 +203,8 @@ def test_paperwork_is_complete(puzzle_design: Design, tmp_path: Path) -> None:
     assert sorted(written) == sorted(tmp_path.iterdir())
     assert all(path.stat().st_size > 1000 for path in written)
     assert {path.name for path in written} == {
-        *(f"laser-{kind}{kerf}.svg" for kind in ("outlines", "layers") for kerf in ("", "-kerf")),
+        *(f"laser-{kind}{kerf}.svg" for kind in KINDS for kerf in ("", "-kerf")),
+        "laser-coupon.svg",
         "texture-front.pdf",
         "texture-back.pdf",
         "assembly.pdf",

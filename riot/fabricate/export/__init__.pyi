@@ -1,6 +1,11 @@
+from . import engraving as engraving
 from . import flat as flat
+from . import flat_parts as flat_parts
 from . import folder as folder
 from . import instructions as instructions
+from . import laser_coupon as laser_coupon
+from . import laser_sheet as laser_sheet
+from . import nesting as nesting
 from . import page as page
 from . import paper as paper
 from . import paperwork as paperwork
