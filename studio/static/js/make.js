@@ -1,0 +1,139 @@
+/** Make: parts as they will be printed, what the certificate found, pinned to the piece, and files. Loaded when it is opened. */
+
+import {ask, base, hear} from './link.js';
+import {change, state, watch} from './store.js';
+import {find, html, say} from './dom.js';
+import {fillSettings} from './settings.js';
+import {placed, poseAt} from './pose.js';
+import {Viewer} from './viewer.js';
+
+/** @typedef {import('./types.js').Made} Made */
+/** @typedef {import('./types.js').Part} Part */
+
+const DRAWN = /** @type {const} */ ([['riot', '.riot'], ['svg', 'SVG'], ['png', 'PNG'], ['pdf', 'PDF'], ['gif', 'GIF'], ['mp4', 'MP4'], ['swing.svg', 'swinging SVG']]);
+const BUILT = /** @type {const} */ ([['stl', 'STL'], ['3mf', '3MF'], ['dxf', 'DXF'], ['laser.svg', 'laser SVG'], ['paper.pdf', 'paper PDF'], ['zip', 'everything, as a zip']]);
+const PLAIN = [0.62, 0.63, 0.65];
+const ROW_GAP = 8;
+
+/** @type {Viewer | null} */
+let viewer = null;
+/** @type {Made | null} */
+let made = null;
+let request = 0;
+
+export function beginMake() {
+  void fillSettings(/** @type {HTMLFormElement} */ (find('#settings')), (settings, fix) => {
+    request = ask({type: 'make', settings, fix});
+    if (request) change({busy: 'Building the parts…', problem: null});
+  });
+  hear('made', message => {
+    made = message;
+    change({busy: '', problem: null});
+    void show(message);
+  });
+  watch(['scene'], files);
+  files();
+}
+
+/** @param {Made} message */
+async function show(message) {
+  const failures = message.findings.filter(({severity}) => severity === 'failure').length;
+  say(message.passed ? 'The parts are built, and every check holds.' : `The parts are built; ${failures} checks fail.`);
+  const changes = message.changes.map(words => html('li', {}, html('span', {class: 'severity'}, 'changed'), html('span', {class: 'grow'}, words)));
+  const verdict = html('li', {class: message.passed ? null : 'failure'}, html('b', {}, message.passed ? 'Every check holds.' : 'It does not hold yet.'));
+  find('#findings').replaceChildren(verdict, ...changes, ...message.findings.map(finding));
+  find('#parts').replaceChildren(...message.parts.map(part => html('li', {},
+    html('span', {class: 'grow'}, `${part.count > 1 ? `${part.count} × ` : ''}${part.name.replaceAll('-', ' ')}`),
+    html('span', {class: 'note'}, `${part.size_mm.map(size => size.toFixed(1)).join(' × ')} mm`))));
+  files();
+  await solids(message);
+}
+
+/** @param {import('./types.js').Finding} one */
+function finding({severity, piece, hinge, words}) {
+  const place = piece !== null ? `piece ${piece + 1}` : hinge !== null ? `hinge ${hinge + 1}` : '';
+  const item = html('li', {class: severity}, html('span', {class: 'severity'}, severity), html('span', {class: 'grow'}, words));
+  if (piece !== null) {
+    const button = html('button', {'aria-label': `Show ${place}: ${words}`}, place);
+    button.addEventListener('click', () => choose(piece));
+    item.append(button);
+  } else if (place) item.append(html('span', {class: 'note'}, place));
+  return item;
+}
+
+/** @param {number} piece */
+function choose(piece) {
+  for (const label of document.querySelectorAll('.labels li')) label.classList.toggle('chosen', label.getAttribute('data-piece') === String(piece));
+  find('.solid canvas').focus();
+}
+
+/** @param {Made} message */
+async function solids({parts, scale, thickness, findings}) {
+  const {scene} = state, canvas = /** @type {HTMLCanvasElement} */ (find('.solid canvas'));
+  if (!scene) return;
+  try {
+    viewer ??= new Viewer(canvas, label);
+  } catch (error) {
+    find('.solid .note').textContent = `No view in three dimensions: ${/** @type {Error} */ (error).message}.`;
+    return;
+  }
+  const bodies = await Promise.all(parts.map(async part => ({part, stl: await (await fetch(part.url)).arrayBuffer()})));
+  const pose = poseAt(scene, 0), style = getComputedStyle(document.documentElement);
+  const lowest = Math.min(...scene.p.input.filter((_, k) => k % 2)) * scale;
+  let right = Math.min(...scene.p.input.filter((_, k) => k % 2 === 0)) * scale;
+  viewer.clear();
+  for (const {part, stl} of bodies) {
+    if (part.piece !== null && part.kind === 'piece') {
+      const k = part.piece, colour = rgb(style.getPropertyValue(`--c${scene.pieces[k].colour}`));
+      viewer.add(part.name, stl, colour, {x: pose.x[k] * scale, y: pose.y[k] * scale, turn: pose.turn[k], height: 0});
+    } else {
+      const [width, depth] = part.size_mm;
+      viewer.add(part.name, stl, PLAIN, {x: right + width / 2, y: lowest - ROW_GAP - depth, turn: 0, height: 0});
+      right += width + ROW_GAP;
+    }
+  }
+  labels(scene, findings);
+  const reach = Math.hypot(...scene.p.input.map(value => value * scale).reduce((most, value, k) => {
+    most[k % 2] = Math.max(most[k % 2], Math.abs(value));
+    return most;
+  }, [0, 0]));
+  viewer.fit(reach + thickness + ROW_GAP);
+}
+
+/**
+ * A number on each piece; red where a check fails.
+ * @param {import('./types.js').Scene} scene
+ * @param {import('./types.js').Finding[]} findings
+ */
+function labels(scene, findings) {
+  find('.labels').replaceChildren(...scene.pieces.map((_, k) => {
+    const bad = findings.some(({piece, severity}) => piece === k && severity === 'failure');
+    return html('li', {'data-piece': k, class: bad ? 'failure' : null}, html('span', {}, String(k + 1)));
+  }));
+}
+
+/** Keep the numbers on their pieces. */
+function label() {
+  const {scene} = state;
+  if (!viewer || !made || !scene) return;
+  const pose = poseAt(scene, 0);
+  for (const item of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('.labels li'))) {
+    const k = Number(item.dataset.piece), points = scene.pieces[k].outline;
+    let [x, y] = [0, 0];
+    for (let i = 0; i < points.length; i += 2) [x, y] = [x + points[i], y + points[i + 1]];
+    const at = placed(pose, k, (2 * x) / points.length, (2 * y) / points.length);
+    const spot = viewer.project([at.x * made.scale, at.y * made.scale, made.thickness]);
+    item.style.transform = `translate(${spot.x}px, ${spot.y}px)`;
+  }
+}
+
+function files() {
+  const link = (/** @type {readonly [string, string]} */ [kind, words]) => html('a', {class: 'button', href: `${base()}/download/${kind}${made ? `?make=${encodeURIComponent(made.key)}` : ''}`, download: true}, words);
+  find('#files').replaceChildren(...DRAWN.map(link), ...(made ? BUILT.map(link) : []));
+}
+
+/** @param {string} hex */
+function rgb(hex) {
+  const value = parseInt(hex.trim().slice(1), 16);
+  return [value >> 16, (value >> 8) & 255, value & 255].map(part => part / 255);
+}
