@@ -15,7 +15,7 @@ from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.collected import Collected
 from pipeline.stages.construct import certified, least_deformed
-from pipeline.stages.cover import greedy_cover, groups_of
+from pipeline.stages.cover import EVERY_THING, greedy_cover, groups_of
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import digest_text
@@ -61,7 +61,7 @@ def choose(
     settings: SelectConfig,
     likeness: LikenessParameters,
 ) -> IntArray:
-    """Rows of the chosen, best first: `greedy_cover` by the root of worth, then, if they are too few, others by IoU.
+    """Rows of the chosen, best first: `greedy_cover` of every thing by worth, then, if they are too few, others by IoU.
 
     Of near-duplicates only the pair of greatest worth counts, before the greedy choice, whose bound so holds.
     """
@@ -71,9 +71,8 @@ def choose(
     # IoU decides between pairs that are worth nothing.
     order = worth + (worth == 0) * (iou - 1)
     wanted = wanted[collected.distinct(pairs[wanted], order[wanted], likeness)]
-    groups = groups_of(pairs[wanted], classes, collected.cluster)
-    # By the root of the worth, one more class that is recognised counts for more than a better margin of one.
-    chosen = wanted[greedy_cover(np.sqrt(worth[wanted]), groups, settings.top)]
+    groups = groups_of(pairs[wanted], classes, collected.cluster, EVERY_THING)
+    chosen = wanted[greedy_cover(worth[wanted], groups, settings.top)]
     others = np.setdiff1d(wanted, chosen)
     others = others[np.argsort(-iou[others], kind="stable")]
     return np.concatenate([chosen, others])[: settings.top].astype(np.int64)

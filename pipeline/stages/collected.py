@@ -31,23 +31,28 @@ class Collected:
         The first position of a shape's cluster of near-duplicates: its own where it has no descriptor.
     elongation : (d,) float64
         Of each shape of the index.
+    perimeter : (positions,) float64
+        Of each shape of unit area; the greatest of all where it has no descriptor.
     """
 
     index: DescriptorIndex
     number: IntArray
     cluster: IntArray
     elongation: FloatArray
+    perimeter: FloatArray
 
     @classmethod
     def of(cls, things: Mapping[str, AnyArray], count: int) -> Collected:
         """A collection of ``count`` positions from the stage's arrays; without arrays no shape has a descriptor."""
         number, cluster = np.full(count, -1, dtype=np.int64), np.arange(count)
         if not things:
-            return cls(scores.likeness.DescriptorIndex.build([]), number, cluster, np.empty(0))
+            return cls(scores.likeness.DescriptorIndex.build([]), number, cluster, np.empty(0), np.zeros(count))
         number[things["positions"]] = np.arange(len(things["positions"]))
         cluster[things["positions"]] = things["cluster"]
+        perimeter = np.full(count, np.max(things["perimeter"], initial=0.0))
+        perimeter[things["positions"]] = things["perimeter"]
         index = scores.likeness.DescriptorIndex.from_arrays(things)
-        return cls(index, number, cluster, np.asarray(things["elongation"]))
+        return cls(index, number, cluster, np.asarray(things["elongation"]), perimeter)
 
     def surprise(self, i: IntArray, j: IntArray, *, mirrored: bool) -> FloatArray:
         """(k,) surprise of the pairs (i, j) of positions; 0 where one has no descriptor. About 5 µs each."""

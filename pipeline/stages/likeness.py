@@ -21,21 +21,22 @@ if TYPE_CHECKING:
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: None) -> Artifact:
-    """Batch → ``described`` (k,) bool; of those described, in order, ``elongation`` and a `DescriptorIndex`."""
+    """Batch → ``described`` (k,) bool; of those described ``elongation``, ``perimeter``, `DescriptorIndex`."""
     (batch,) = inputs
     errors: list[ErrorRow] = []
     results = attempt_each(batch, _described, errors)
     described = [result for result in results if result is not None]
-    stacked = scores.likeness.DescriptorIndex.build([descriptor for descriptor, _ in described])
+    stacked = scores.likeness.DescriptorIndex.build([descriptor for descriptor, _, _ in described])
     arrays = {
         "described": np.array([result is not None for result in results], dtype=np.bool_),
-        "elongation": np.array([elongation for _, elongation in described], dtype=np.float64),
+        "elongation": np.array([elongation for _, elongation, _ in described], dtype=np.float64),
+        "perimeter": np.array([perimeter for _, _, perimeter in described], dtype=np.float64),
     }
     return Artifact({**arrays, **stacked.to_arrays()}, {"errors": errors})
 
 
-def _described(shape: Shape) -> tuple[Descriptor, float]:
-    return scores.descriptor.descriptor(shape), scores.surprise.elongation(shape.points)
+def _described(shape: Shape) -> tuple[Descriptor, float, float]:
+    return scores.descriptor.descriptor(shape), scores.surprise.elongation(shape.points), shape.perimeter
 
 
 def items(progress: Progress) -> list[WorkItem]:

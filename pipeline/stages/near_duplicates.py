@@ -26,13 +26,14 @@ class Described:
 
 
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Described) -> Artifact:
-    """Descriptors of batches → ``positions`` (d,) ascending, ``cluster``, ``group``, ``elongation`` (d,), the index.
+    """Descriptors of batches → ``positions`` (d,) ascending, ``cluster``, ``group``, ``elongation``, ``perimeter``, and
+    the index.
 
     ``cluster`` is the first position of a cluster of near-duplicates. Shapes of one group are one thing: shapes of a
     class, or those of a cluster that have no class.
     """
     (settings,) = parameters
-    names = ("elongation", *scores.likeness.DescriptorIndex.array_names())
+    names = ("elongation", "perimeter", *scores.likeness.DescriptorIndex.array_names())
     arrays: dict[str, AnyArray] = {name: np.concatenate([batch.arrays[name] for batch in inputs]) for name in names}
     described = [
         np.flatnonzero(batch.arrays["described"]) + start for batch, start in zip(inputs, spec.starts, strict=True)

@@ -1,7 +1,8 @@
 """The pool of policy ``varied``: the pairs that go on to CRS and refined trunks, by shape and by n too (ours).
 
 QCRS orders pairs of one shape and of one n well, and badly those of different ones: a single list by QCRS is filled by
-blobs with trunks of four vertices.
+blobs with trunks of four vertices. What a transform loses lies along the outlines, so that the partners of a shape are
+ordered by their perimeters, too.
 """
 
 from __future__ import annotations
@@ -43,19 +44,24 @@ SIZES = (3, 4, 5, 6)
 PARTNERS = 8
 """Best partners of a shape that are held for each n. Ours: two of three exact pairs are among the first two."""
 
+PER_LENGTH = 0.1
+"""QCRS that a unit of both perimeters weighs, of shapes of unit area. Ours, by a fit on 2,174 pairs of MPEG-7: within a
+class, IoU after bending ranks like QCRS with Spearman .56, less the perimeters' weight with .74."""
+
 CHUNK = 1_000_000
 """Rows that are read before the best are kept, of 32 bytes each."""
 
 
-def fill_pool(blocks: Iterator[Rows], cluster: IntArray, label: IntArray, size: int) -> IntArray:
+def fill_pool(blocks: Iterator[Rows], cluster: IntArray, label: IntArray, perimeter: FloatArray, size: int) -> IntArray:
     """(k, 2) the pairs of a pool of ``size``, in the order in which they entered it, read from ``blocks`` in any order.
 
     In a round, for each n one list gives a pair, the best by score, and one those whose shapes stand highest among each
-    other's partners. Over every n, a list that begins with each class's best pair gives four, and one that begins with
-    each shape's gives one. Shapes of a class have one number in ``label`` (positions,), near-duplicates in ``cluster``.
+    other's partners. Over every n, a list that begins with each class's most promising pair gives eight, and one that
+    begins with each shape's gives one; a pair promises its score less `PER_LENGTH` of both ``perimeter`` (positions,).
+    Shapes of a class have one number in ``label`` (positions,), near-duplicates in ``cluster``.
 
     >>> block = Rows(np.array([0, 0]), np.array([1, 2]), np.array([0.9, 0.8]), np.array([4, 3]))
-    >>> fill_pool(iter([block]), np.arange(3), np.arange(3), 1).tolist()
+    >>> fill_pool(iter([block]), np.arange(3), np.arange(3), np.full(3, 4.0), 1).tolist()
     [[0, 2]]
     """
     shape = np.arange(len(cluster))
@@ -63,8 +69,9 @@ def fill_pool(blocks: Iterator[Rows], cluster: IntArray, label: IntArray, size: 
     by_size = [np.flatnonzero(held.size == k) for k in range(len(SIZES))]
     best = [iter(rows[_by_score(held.at(rows))].tolist()) for rows in by_size]
     mutual = [iter(rows[_by_rank(held.at(rows), shape, np.maximum)].tolist()) for rows in by_size]
-    of_class = [iter(_by_rank(held, label, np.minimum).tolist())] * len(SIZES)
-    of_shape = [iter(_by_rank(held, cluster, np.minimum).tolist())]
+    promise = held._replace(score=held.score - PER_LENGTH * (perimeter[held.i] + perimeter[held.j]))
+    of_class = [iter(_by_rank(promise, label, np.minimum).tolist())] * 2 * len(SIZES)
+    of_shape = [iter(_by_rank(promise, cluster, np.minimum).tolist())]
     taken: dict[tuple[int, int], None] = {}
     before = -1
     while before < len(taken) < size:

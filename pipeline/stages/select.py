@@ -220,7 +220,8 @@ def select_varied(
             block = block.at(surprise >= settings.min_surprise)
         return block
 
-    return fill_pool(map(wanted, blocks), collected.cluster, label, settings.breadth_of_policy * settings.top)
+    size = settings.breadth_of_policy * settings.top
+    return fill_pool(map(wanted, blocks), collected.cluster, label, collected.perimeter, size)
 
 
 def _scored(pairs: IntArray, blocks: Iterator[Block]) -> Chosen:

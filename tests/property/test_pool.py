@@ -15,6 +15,9 @@ FIRST, SECOND = np.triu_indices(COUNT, 1)
 
 scores_of = st.permutations(range(1, len(FIRST) + 1)).map(lambda order: np.array(order) / (len(FIRST) + 1))
 sizes_of = st.lists(st.integers(3, 8), min_size=len(FIRST), max_size=len(FIRST)).map(np.array)
+SAME = np.full(COUNT, 4.0)
+"""Perimeters that weigh the same in all pairs."""
+
 clusters = st.lists(st.integers(0, COUNT - 1), min_size=COUNT, max_size=COUNT).map(np.array)
 
 
@@ -23,11 +26,11 @@ def rows(scores: np.ndarray, sizes: np.ndarray) -> Rows:
 
 
 def filled(block: Rows, label: np.ndarray, size: int) -> list[tuple[int, int]]:
-    return [(i, j) for i, j in fill_pool(iter([block]), np.arange(COUNT), label, size).tolist()]
+    return [(i, j) for i, j in fill_pool(iter([block]), np.arange(COUNT), label, SAME, size).tolist()]
 
 
-ROUND = 3 * len(SIZES) + 1
-"""Pairs of a round: of each n the best and the mutual partners, as many by class, and one by shape."""
+ROUND = 4 * len(SIZES) + 1
+"""Pairs of a round: of each n the best and the mutual partners, as many again by class, and one by shape."""
 
 
 def best_pairs(scores: np.ndarray, of: np.ndarray, most: int) -> set[tuple[int, int]]:
@@ -49,7 +52,7 @@ def test_the_best_of_each_size_class_and_shape_are_in_the_pool(
     for k in SIZES:
         best = sorted(np.flatnonzero(np.minimum(sizes, SIZES[-1]) == k), key=lambda row: -scores[row])
         assert {(int(FIRST[row]), int(SECOND[row])) for row in best[:rounds]} <= set(taken)
-    assert best_pairs(scores, label, rounds * len(SIZES)) <= set(taken)
+    assert best_pairs(scores, label, 2 * rounds * len(SIZES)) <= set(taken)
     assert best_pairs(scores, np.arange(COUNT), rounds) <= set(taken)
 
 
@@ -58,7 +61,7 @@ def test_each_shape_has_its_best_partner_in_a_pool_of_many_rounds() -> None:
     i, j = np.triu_indices(count, 1)
     scores = rng.random(len(i))
     block = Rows(i, j, scores, rng.integers(3, 7, len(i)))
-    taken = fill_pool(iter([block]), np.arange(count), np.arange(count), ROUND * 10).tolist()
+    taken = fill_pool(iter([block]), np.arange(count), np.arange(count), np.full(count, 4.0), ROUND * 10).tolist()
     for shape in range(count):
         row = max((row for row in range(len(i)) if shape in (i[row], j[row])), key=lambda row: scores[row])
         assert [i[row], j[row]] in taken
@@ -73,12 +76,23 @@ def test_no_order_and_no_chunk_matters(
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(pool, "CHUNK", 5)
         patched.setattr(pool, "PARTNERS", 2)
-        whole = fill_pool(iter([block]), shape, shape, size)
+        whole = fill_pool(iter([block]), shape, shape, SAME, size)
         pieces = (block.at(part) for part in np.array_split(np.array(order), parts))
-        assert np.array_equal(fill_pool(pieces, shape, shape, size), whole)
+        assert np.array_equal(fill_pool(pieces, shape, shape, SAME, size), whole)
+
+
+def test_the_shorter_outline_promises_more() -> None:
+    count = 8
+    i, j = np.triu_indices(count, 1)
+    perimeter = np.array([8.0, *np.linspace(7, 4, count - 1)])
+    scores = np.where(i == 0, 0.5 - 1e-3 * j, 0.2 + 1e-4 * (i + j))
+    label = np.array([0, *range(1, count)])
+    taken = fill_pool(iter([Rows(i, j, scores, np.full(len(i), 4))]), label, label, perimeter, ROUND).tolist()
+    # The last, of the shortest outline, is the first partner of every shape; the best by score has entered by its n.
+    assert [0, count - 1] in taken and [0, 1] in taken
 
 
 def test_a_pool_of_nothing_is_empty() -> None:
     none = np.empty(0, np.int64)
-    assert fill_pool(iter([]), np.arange(3), np.arange(3), 5).shape == (0, 2)
-    assert fill_pool(iter([Rows(none, none, np.empty(0), none)]), none, none, 5).shape == (0, 2)
+    assert fill_pool(iter([]), np.arange(3), np.arange(3), np.full(3, 4.0), 5).shape == (0, 2)
+    assert fill_pool(iter([Rows(none, none, np.empty(0), none)]), none, none, np.empty(0), 5).shape == (0, 2)

@@ -43,6 +43,7 @@ def collected() -> Collected:
         "positions": positions,
         "cluster": near_duplicates(index, LIKENESS.near_duplicate, mirrored=LIKENESS.mirrored),
         "elongation": np.array([elongation(shape.points) for shape in shapes]),
+        "perimeter": np.array([shape.perimeter for shape in shapes]),
         **index.to_arrays(),
     }
     return Collected.of(arrays, len(shapes))
