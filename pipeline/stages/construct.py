@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.bend import unpack_bent
@@ -81,7 +83,9 @@ def _measured(result: Transform, method: str) -> Artifact:
         status = {"status": "approximate", "reason": "method", "message": certificate.failure}
     else:
         return Artifact({}, {**_rejected("certificate", certificate.failure).document, **numbers})
-    return Artifact({}, {**status, "riot": transform.riot_file.to_json(result), **numbers})
+    # The outlines are in the file, too; whoever needs them alone need not read it.
+    outlines = {"outline_p": result.outline_p(), "outline_q": result.outline_q()}
+    return Artifact(outlines, {**status, "riot": transform.riot_file.to_json(result), **numbers})
 
 
 def _fidelity(result: Transform, deformation: Deformation) -> dict[str, float | None]:
@@ -161,12 +165,7 @@ def least_deformed(progress: Progress, count: int) -> list[WorkItem]:
 
 
 def _outlines(artifact: Artifact) -> Mapping[str, Any]:
-    text = artifact.document.get("riot")
-    if text is None:
-        return {}
-    result = transform.riot_file.from_json(text)
-    outlines = {"outline_p": result.outline_p(), "outline_q": result.outline_q()}
-    return {name: geometry.wkb.outline_wkb(points) for name, points in outlines.items()}
+    return {name: geometry.wkb.outline_wkb(np.asarray(points)) for name, points in artifact.arrays.items()}
 
 
 def _row(artifact: Artifact) -> Mapping[str, Any]:

@@ -15,7 +15,7 @@ from pipeline.stages.collected import Collected
 from pipeline.stages.shape_arrays import ErrorRow, attempt
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
-from riot import scores, transform
+from riot import scores
 from riot.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -44,11 +44,11 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: tuple[int, int])
     """A construction and the collection → a document: surprise, margins of both results, nearest others."""
     constructed, things = inputs
     (settings,) = parameters
-    puzzle = transform.riot_file.from_json(constructed.document["riot"])
     errors: list[ErrorRow] = []
     i, j = np.array(spec)[:, None]
     row: dict[str, Any] = {"surprise": float(things.collected.surprise(i, j, mirrored=settings.mirrored)[0])}
-    for side, outline, position in (("p", puzzle.outline_p(), spec[0]), ("q", puzzle.outline_q(), spec[1])):
+    for side, position in (("p", spec[0]), ("q", spec[1])):
+        outline = np.asarray(constructed.arrays[f"outline_{side}"])
         margin = attempt(0, lambda o=outline, k=position: _margin(o, k, things, settings.mirrored), errors)  # type: ignore[misc]
         if margin is not None and margin.nearest >= 0:
             # A result that equals another thing is mistaken for it however far it is from its input.

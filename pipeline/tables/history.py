@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from pipeline.stages.ingest import shape_key
 from pipeline.store.artifact import canonical_json
 from pipeline.store.keys import digest_text
 from pipeline.tables.results import Results
 from riot.transform.history import History, HistoryStep
-from riot.transform.riot_file import from_json, to_json
+from riot.transform.riot_file import add_history
 
 OF_PAIR = ("crs", "refine", "construct", "motion")
 """Stages of a pair whose results its transform is computed from, in order. How pairs are selected does not matter."""
@@ -40,7 +38,7 @@ def pair_history(results: Results, pair: tuple[int, ...]) -> History:
 
 def with_history(text: str | None, history: History) -> str | None:
     """The text of a ``.riot`` file with its history; None for None."""
-    return None if text is None else to_json(replace(from_json(text), history=history))
+    return None if text is None else add_history(text, history)
 
 
 def _keys(results: Results, pair: tuple[int, ...]) -> dict[str, tuple[str, ...]]:

@@ -6,6 +6,7 @@ import contextlib
 import json
 import math
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -76,7 +77,25 @@ def to_json(transform: Transform) -> str:
         document["motion"] = to_document(transform.plan)
     if transform.history is not None:
         document["history"] = history.to_document(transform.history)
+    return _compact(document)
+
+
+def _compact(document: Mapping[str, Any]) -> str:
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"))
+
+
+def add_history(text: str, origin: history.History) -> str:
+    """What `to_json` wrote of a transform without a history, with one; the same bytes as if it had had it.
+
+    It does not read the text, which takes fifty times as long.
+
+    >>> from riot.groundtruth.pairs import dudeney, exact_transform
+    >>> from riot.transform.history import History
+    >>> origin = History("riot", ("0" * 64, "1" * 64), (), {})
+    >>> from_json(add_history(to_json(exact_transform(dudeney())), origin)).history == origin
+    True
+    """
+    return f'{text[:-1]},"history":{_compact(history.to_document(origin))}}}'
 
 
 def from_json(text: str, where: str = "text") -> Transform:

@@ -16,7 +16,7 @@ from riot.errors import FormatError
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.transform.history import History, HistoryStep
 from riot.transform.provenance import code_digest, describe_history, record_history
-from riot.transform.riot_file import from_json, to_json
+from riot.transform.riot_file import add_history, from_json, to_json
 
 HISTORY = History(
     "riot make",
@@ -33,6 +33,7 @@ def test_a_history_reads_back_equal_and_changes_nothing_else() -> None:
     assert again.history == HISTORY and to_json(again) == text
     assert to_json(replace(again, history=None)) == to_json(transform)
     assert from_json(to_json(transform)).history is None
+    assert add_history(to_json(transform), HISTORY) == text
 
 
 @pytest.mark.parametrize("field", ["maker", "pictures", "steps", "versions"])

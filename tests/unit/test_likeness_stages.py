@@ -64,7 +64,9 @@ def test_the_margin_names_the_nearest_other_thing() -> None:
     collection = near_duplicates.STAGE.run(
         [described([house, kite, lobed(3)])], [PARAMETERS], Described(("house", "kite", "clover"), ("",) * 3, (0,))
     )
-    constructed = Artifact({}, {"riot": to_json(riot.construct(house, kite))})
+    puzzle = riot.construct(house, kite)
+    outlines = {"outline_p": puzzle.outline_p(), "outline_q": puzzle.outline_q()}
+    constructed = Artifact(outlines, {"riot": to_json(puzzle)})
     inputs = [margin.STAGE.prepare(artifact) for artifact in (constructed, collection)]
     (added,) = margin.STAGE.tables
     row = added.values(margin.STAGE.run(inputs, [PARAMETERS], (0, 1)))
