@@ -250,6 +250,12 @@ def _parse_folder(value: Any, expected: str = "a path") -> Path:
     raise ValueError(f"expected {expected}, got {value!r}")
 
 
+def _parse_address(value: Any) -> str:
+    if value == "" or (isinstance(value, str) and value.startswith(("https://", "http://"))):
+        return value and value.rstrip("/") + "/"
+    raise ValueError(f"expected an address such as https://example.org/mpeg7/, got {value!r}")
+
+
 def _parse_location(value: Any) -> Location:
     return Url(value) if isinstance(value, str) and "://" in value else _parse_folder(value, "a path or a URL")
 
@@ -266,6 +272,12 @@ class Config(ParameterGroup):
         typing.cast("Location", Path("store")),
         parse=_parse_location,
         meaning="Content-addressed artifacts, which all runs share: a folder, or a URL such as s3://bucket/prefix.",
+    )
+    address: str = parameter(
+        "",
+        parse=_parse_address,
+        meaning="Where outputs/DATASET/ will be published, such as https://example.org/mpeg7/: the pictures of link "
+        "previews need it. Empty = nowhere.",
     )
     batch: int = parameter(
         32,

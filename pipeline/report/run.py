@@ -78,6 +78,11 @@ class ReportedRun:
         return str(self.facts.get("configuration", {}).get("select", {}).get("policy", ""))
 
     @property
+    def address(self) -> str:
+        """Where the folder will be published, with a slash at its end; "" = nowhere."""
+        return str(self.facts.get("configuration", {}).get("address", ""))
+
+    @property
     def name(self) -> str:
         """The name of the collection."""
         dataset = self.facts.get("dataset", self.folder.name)

@@ -9,6 +9,7 @@ from pipeline.report.environment import render
 from pipeline.report.gallery import INDEX, STYLE
 from pipeline.report.pictures import silhouettes
 from pipeline.report.rows import PuzzleRow, TransformRow
+from pipeline.tables.record import GALLERY
 from riot.motion.planner import motion_of
 from riot.transform.provenance import describe_history
 from riot.transform.transform import Transform
@@ -21,10 +22,11 @@ def transform_page(
     files: Sequence[str],
     before: TransformRow | None,
     after: TransformRow | None,
+    address: str = "",
 ) -> str:
     """The page of one card and its transform's motion, puzzle and history; it leads on to ``before`` and ``after``.
 
-    ``files`` are those in the puzzle's folder.
+    ``files`` are those in the puzzle's folder; ``address`` is where the run's folder will be published, "" = nowhere.
     """
     return render(
         "transform.html",
@@ -37,6 +39,7 @@ def transform_page(
         history=None if transform.history is None else "\n".join(describe_history(transform.history)),
         before=before,
         after=after,
+        folder=address and f"{address}{GALLERY}/",
         index=INDEX,
         style=STYLE,
     )

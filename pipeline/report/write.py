@@ -54,7 +54,10 @@ def write_report(run_dir: Path) -> Path:
         neighbours = [None if neighbour is None else neighbour.row for neighbour in (before, after)]
         puzzle = puzzles.get(row.rank)
         shown = card(row, now.transform, now.images)
-        _write(temporary / row.page, transform_page(shown, now.transform, puzzle, _files(run_dir, puzzle), *neighbours))
+        _write(
+            temporary / row.page,
+            transform_page(shown, now.transform, puzzle, _files(run_dir, puzzle), *neighbours, run.address),
+        )
         _write(temporary / row.thumb, thumb(now.transform, now.images))
         if row.swing:
             _write(temporary / row.swing, swing(now.transform, now.images))

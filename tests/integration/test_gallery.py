@@ -1,6 +1,7 @@
 """The gallery of an invented run, without a browser: pages, links, pictures, order."""
 
 import io
+import json
 import math
 import re
 import shutil
@@ -19,7 +20,7 @@ from pipeline.report.gallery import INDEX, ORDERS, SCRIPTS, STYLE, index
 from pipeline.report.page import SHOWN_TRANSFORMS
 from pipeline.report.pictures import PREVIEW, preview, swing, thumb
 from pipeline.report.run import read_run
-from pipeline.tables.record import GALLERY
+from pipeline.tables.record import GALLERY, RECORD
 
 __all__ = ["rows", "run"]
 
@@ -76,6 +77,21 @@ def test_a_page_tells_all_of_its_transform(run):
         assert about["og:image"] == row.preview and f"the same {row.n} hinged pieces" in about["description"]
         assert f"riot show {row.file} -o" in shown
         assert text.count("<animateTransform") >= 2 * row.n
+
+
+def test_link_previews_have_the_address_where_a_run_is_published(run, tmp_path):
+    published = tmp_path / run.name
+    shutil.copytree(run, published)
+    facts = json.loads((published / RECORD).read_text(encoding="utf-8"))
+    facts.setdefault("configuration", {})["address"] = "https://example.org/mpeg7/"
+    (published / RECORD).write_text(json.dumps(facts), encoding="utf-8")
+    report, row = write_report(published), read_run(published).constructed[0]
+    for page, picture in ((report, None), (published / GALLERY / row.page, row.preview)):
+        metas = Page(page.read_text(encoding="utf-8")).all("meta")
+        (address,) = (attrs["content"] for attrs in metas if attrs.get("property") == "og:image")
+        assert address.startswith(f"https://example.org/mpeg7/{GALLERY}/")
+        assert (published / address.removeprefix("https://example.org/mpeg7/")).is_file()
+        assert picture is None or address.endswith(f"/{picture}")
 
 
 def test_is_the_same_every_time_and_everywhere(run, tmp_path):
