@@ -44,6 +44,9 @@ SIZES = (3, 4, 5, 6)
 PARTNERS = 8
 """Best partners of a shape that are held for each n. Ours: two of three exact pairs are among the first two."""
 
+BY_CLASS = 6
+"""Pairs of a round that go by class. Ours: with fewer a run shows fewer classes, with more it misses exact pairs."""
+
 PER_LENGTH = 0.1
 """QCRS that a unit of both perimeters weighs, of shapes of unit area. Ours, by a fit on 2,174 pairs of MPEG-7: within a
 class, IoU after bending ranks like QCRS with Spearman .56, less the perimeters' weight with .74."""
@@ -56,9 +59,9 @@ def fill_pool(blocks: Iterator[Rows], cluster: IntArray, label: IntArray, perime
     """(k, 2) the pairs of a pool of ``size``, in the order in which they entered it, read from ``blocks`` in any order.
 
     In a round, for each n one list gives a pair, the best by score, and one those whose shapes stand highest among each
-    other's partners. Over every n, a list that begins with each class's most promising pair gives eight, and one that
-    begins with each shape's gives one; a pair promises its score less `PER_LENGTH` of both ``perimeter`` (positions,).
-    Shapes of a class have one number in ``label`` (positions,), near-duplicates in ``cluster``.
+    other's partners. Over every n, a list that begins with each class's most promising pair gives `BY_CLASS`, and one
+    that begins with each shape's gives one. A pair promises its score less `PER_LENGTH` of both ``perimeter``
+    (positions,). Shapes of a class have one number in ``label`` (positions,), near-duplicates in ``cluster``.
 
     >>> block = Rows(np.array([0, 0]), np.array([1, 2]), np.array([0.9, 0.8]), np.array([4, 3]))
     >>> fill_pool(iter([block]), np.arange(3), np.arange(3), np.full(3, 4.0), 1).tolist()
@@ -70,7 +73,7 @@ def fill_pool(blocks: Iterator[Rows], cluster: IntArray, label: IntArray, perime
     best = [iter(rows[_by_score(held.at(rows))].tolist()) for rows in by_size]
     mutual = [iter(rows[_by_rank(held.at(rows), shape, np.maximum)].tolist()) for rows in by_size]
     promise = held._replace(score=held.score - PER_LENGTH * (perimeter[held.i] + perimeter[held.j]))
-    of_class = [iter(_by_rank(promise, label, np.minimum).tolist())] * 2 * len(SIZES)
+    of_class = [iter(_by_rank(promise, label, np.minimum).tolist())] * BY_CLASS
     of_shape = [iter(_by_rank(promise, cluster, np.minimum).tolist())]
     taken: dict[tuple[int, int], None] = {}
     before = -1

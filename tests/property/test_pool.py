@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.stages import pool
-from pipeline.stages.pool import SIZES, Rows, fill_pool
+from pipeline.stages.pool import BY_CLASS, SIZES, Rows, fill_pool
 
 COUNT = 9
 FIRST, SECOND = np.triu_indices(COUNT, 1)
@@ -29,8 +29,8 @@ def filled(block: Rows, label: np.ndarray, size: int) -> list[tuple[int, int]]:
     return [(i, j) for i, j in fill_pool(iter([block]), np.arange(COUNT), label, SAME, size).tolist()]
 
 
-ROUND = 4 * len(SIZES) + 1
-"""Pairs of a round: of each n the best and the mutual partners, as many again by class, and one by shape."""
+ROUND = 2 * len(SIZES) + BY_CLASS + 1
+"""Pairs of a round: of each n the best and the mutual partners, some by class, and one by shape."""
 
 
 def best_pairs(scores: np.ndarray, of: np.ndarray, most: int) -> set[tuple[int, int]]:
@@ -52,7 +52,7 @@ def test_the_best_of_each_size_class_and_shape_are_in_the_pool(
     for k in SIZES:
         best = sorted(np.flatnonzero(np.minimum(sizes, SIZES[-1]) == k), key=lambda row: -scores[row])
         assert {(int(FIRST[row]), int(SECOND[row])) for row in best[:rounds]} <= set(taken)
-    assert best_pairs(scores, label, 2 * rounds * len(SIZES)) <= set(taken)
+    assert best_pairs(scores, label, rounds * BY_CLASS) <= set(taken)
     assert best_pairs(scores, np.arange(COUNT), rounds) <= set(taken)
 
 
