@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from pipeline.config.schema import SelectConfig
 
 
+UNRECOGNISED = 0.25
+"""What the margin of a pair counts for of which one result would be taken for another thing. Ours."""
+
+
 @dataclass(frozen=True)
 class Constructed:
     """What the choice reads: classes by position, and the pair of positions of each construction.
@@ -84,13 +88,17 @@ def _iou(row: Mapping[str, Any]) -> float:
 
 
 def _worth(row: Mapping[str, Any], floor: float) -> float:
-    """The lesser margin, or 0 if the pair is below the floor or mistaken; the IoU where the collection has no other."""
+    """The lesser margin, or 0 if the pair is below the floor or mistaken; the IoU where the collection has no other.
+
+    It counts for less if a result is nearer to another thing than to all of its own but the input.
+    """
     if _iou(row) < floor:
         return 0.0
     if "other_p" not in row or "other_q" not in row:
         return _iou(row)
     margins = row["margin_p"], row["margin_q"]  # None: equal to another thing
-    return 0.0 if None in margins else max(0.0, min(margins))
+    recognised = row["recognised_p"] and row["recognised_q"]
+    return 0.0 if None in margins else max(0.0, min(margins)) * (1.0 if recognised else UNRECOGNISED)
 
 
 def _wanted(row: Mapping[str, Any], settings: SelectConfig) -> bool:

@@ -54,6 +54,7 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: tuple[int, int])
             # A result that equals another thing is mistaken for it however far it is from its input.
             row[f"margin_{side}"] = margin.value if math.isfinite(margin.value) else None
             row[f"other_{side}"] = things.names[margin.nearest]
+            row[f"recognised_{side}"] = margin.recognised
     return Artifact({}, {**row, "errors": errors})
 
 
@@ -87,6 +88,7 @@ def _row(artifact: Artifact) -> Mapping[str, Any]:
 
 MARGIN = "1 − its distance to its input / to the nearest other thing of the collection; ≤ 0 = mistaken, null = no other"
 OTHER = "name of the nearest shape of another class, or of another cluster of near-duplicates without classes"
+RECOGNISED = "whether the nearest shape but its input is the same thing; null = no other"
 
 STAGE = Stage(
     name="margin",
@@ -109,6 +111,8 @@ STAGE = Stage(
                 Column("margin_q", "float64", f"of Q: {MARGIN}", "1"),
                 Column("other_p", "string", f"of P: {OTHER}"),
                 Column("other_q", "string", f"of Q: {OTHER}"),
+                Column("recognised_p", "bool", f"of P: {RECOGNISED}"),
+                Column("recognised_q", "bool", f"of Q: {RECOGNISED}"),
                 Column("surprise", "float64", "how much the two inputs differ, in descriptor and elongation", "1"),
             ),
             _row,

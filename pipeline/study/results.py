@@ -13,6 +13,7 @@ from pipeline.errors import StartError
 from pipeline.study.finished import StudiedRun
 from pipeline.tables.record import RECORD
 from riot.errors import needs_extra
+from riot.geometry.polyline import signed_area
 from riot.parameters import LikenessParameters
 from riot.scores.descriptor import Descriptor, descriptor, outline_descriptor
 from riot.scores.likeness import DescriptorIndex, near_duplicates
@@ -69,9 +70,9 @@ def outline(row: dict[str, Any], side: str) -> FloatArray:
 
 
 def described_outline(row: dict[str, Any], side: str) -> Descriptor:
-    """The descriptor of that outline."""
+    """The descriptor of that outline, which crosses itself where the paper's method makes it."""
     points = outline(row, side)
-    return outline_descriptor(points if shapely.LinearRing(points).is_ccw else points[::-1])
+    return outline_descriptor(points if signed_area(points) > 0 else points[::-1])
 
 
 def beside(finished: StudiedRun, folders: Sequence[str]) -> dict[str, StudiedRun]:

@@ -42,10 +42,14 @@ class Margin:
         nan if the collection has no other thing.
     nearest : int
         Number of the nearest other shape in the index; −1 without one.
+    recognised : bool
+        Whether the nearest shape but the input is the same thing; of an input that is alone, whether the value is
+        above 0.
     """
 
     value: float
     nearest: int
+    recognised: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,10 +165,13 @@ def margin(
     distances = index.distances(result, mirrored=mirrored)
     others = np.flatnonzero(groups != groups[original])
     if len(others) == 0:
-        return Margin(float("nan"), -1)
+        return Margin(float("nan"), -1, True)
     nearest = int(others[np.argmin(distances[others])])
     least = float(distances[nearest])
-    return Margin(1.0 - float(distances[original]) / least if least > 0 else float("-inf"), nearest)
+    same = groups == groups[original]
+    same[original] = same.sum() == 1
+    value = 1.0 - float(distances[original]) / least if least > 0 else float("-inf")
+    return Margin(value, nearest, float(distances[same].min()) < least)
 
 
 def near_duplicates(index: DescriptorIndex, threshold: float, *, mirrored: bool = False) -> IntArray:

@@ -155,6 +155,15 @@ def test_the_margin_falls_from_one_to_less_than_zero() -> None:
     assert math.isnan(alone.value) and alone.nearest == -1
 
 
+@given(SEEDS, st.integers(0, 5), st.sampled_from([(0, 0, 1, 1, 2, 2), (0, 1, 1, 1, 2, 3)]))
+def test_recognised_is_what_the_nearest_shape_but_the_input_says(seed: int, own: int, things: tuple[int, ...]) -> None:
+    index, groups = index_of(range(6)), np.array(things)
+    result = descriptor(Shape.from_polygon(lobes(seed)))
+    alone = things.count(things[own]) == 1
+    nearest = next(k for k in np.argsort(index.distances(result)).tolist() if k != own or alone)
+    assert margin(result, own, index, groups).recognised == (groups[nearest] == groups[own])
+
+
 @given(SEEDS, st.floats(0.1, 10.0))
 def test_an_outline_has_the_descriptor_of_its_shape(seed: int, scale: float) -> None:
     shape = Shape.from_polygon(lobes(seed))

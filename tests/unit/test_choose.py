@@ -51,6 +51,7 @@ def collected() -> Collected:
 
 def row(margin: float | None = 0.5, iou: float = 0.95, **more: Any) -> dict[str, Any]:
     both = {"margin_p": margin, "margin_q": margin, "other_p": "x", "other_q": "y"}
+    both |= {"recognised_p": True, "recognised_q": True}
     return {"riot": "", "n": 4, "iou_p": iou, "iou_q": iou, "surprise": 0.3, **both, **more}
 
 
@@ -75,6 +76,12 @@ def test_below_the_floor_or_mistaken_comes_last(collected: Collected) -> None:
     assert chosen(rows, pairs, collected) == [2, 3, 1, 0]
     assert chosen(rows, pairs, collected, top=1) == [2]
     assert chosen(rows, pairs, collected, min_iou=0.8)[0] == 0
+
+
+def test_what_is_taken_for_another_thing_counts_less(collected: Collected) -> None:
+    rows, pairs = [row(0.8, recognised_q=False), row(0.5), row(0.1)], [(0, 2), (0, 2), (3, 4)]
+    assert chosen(rows, pairs, collected) == [1, 2]
+    assert chosen([row(0.8), *rows[1:]], pairs, collected) == [0, 2]
 
 
 def test_without_another_thing_the_iou_counts(collected: Collected) -> None:
