@@ -251,7 +251,7 @@ def _parse_folder(value: Any, expected: str = "a path") -> Path:
 
 
 def _parse_address(value: Any) -> str:
-    if value == "" or (isinstance(value, str) and value.startswith(("https://", "http://"))):
+    if isinstance(value, str) and (not value or value.startswith(("https://", "http://"))):
         return value and value.rstrip("/") + "/"
     raise ValueError(f"expected an address such as https://example.org/mpeg7/, got {value!r}")
 

@@ -22,6 +22,7 @@ def transform_page(
     files: Sequence[str],
     before: TransformRow | None,
     after: TransformRow | None,
+    *,
     address: str = "",
 ) -> str:
     """The page of one card and its transform's motion, puzzle and history; it leads on to ``before`` and ``after``.

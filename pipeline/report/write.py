@@ -56,7 +56,7 @@ def write_report(run_dir: Path) -> Path:
         shown = card(row, now.transform, now.images)
         _write(
             temporary / row.page,
-            transform_page(shown, now.transform, puzzle, _files(run_dir, puzzle), *neighbours, run.address),
+            transform_page(shown, now.transform, puzzle, _files(run_dir, puzzle), *neighbours, address=run.address),
         )
         _write(temporary / row.thumb, thumb(now.transform, now.images))
         if row.swing:
