@@ -70,8 +70,12 @@ class PinError(ConstructionError):
         self.pin, self.points, self.side = pin, points, side
 
     def of(self, pin: int, points: Iterable[Iterable[float]]) -> PinError:
-        """The same error, of the pin with this number."""
-        return PinError(str(self), pin, tuple((float(x), float(y)) for x, y in points), self.side)
+        """The same error, of the pin with this number, which is at ``points`` if no place is known yet."""
+        return PinError(str(self), pin, self.points or self.at(points).points, self.side)
+
+    def at(self, points: Iterable[Iterable[float]]) -> PinError:
+        """The same error, at ``points``."""
+        return PinError(str(self), self.pin, tuple((float(x), float(y)) for x, y in points), self.side)
 
     def on(self, side: str) -> PinError:
         """The same error, of the shape "p" or "q"."""

@@ -13,9 +13,11 @@ from pathlib import Path
 import platformdirs
 import uvicorn
 
+from pipeline.match.search import open_mined
 from riot.cli.output import Output
 from riot.cli.parser import DONE, INTERRUPTED, Parser, UsageError
 from riot.kernels.warm import compile_used
+from studio.live.search import put_file
 from studio.live.studio import Studio
 from studio.messages import Side
 from studio.server.app import make_app
@@ -45,6 +47,8 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     if len(chosen.files) > 2:
         raise UsageError(f"give two pictures or one .riot file, not {len(chosen.files)} files")
+    if chosen.run_folder is not None:
+        open_mined(chosen.run_folder)  # here, where it can be told why not
     given = [path.read_bytes() for path in chosen.files]
     names = [path.name for path in chosen.files]
     compile_used(output.note, *USED)
@@ -71,11 +75,12 @@ async def _serve(
     names: list[str],
     address: str | None,
 ) -> None:
+    studio.warm()
     serving = asyncio.create_task(server.serve([listening]))
     if given:
         session = studio.new()
         for side, data, name in zip(SIDES, given, names, strict=False):
-            await session.put_input(side, data, name)
+            await put_file(session, side, data, name)
     if address is not None:
         await asyncio.to_thread(webbrowser.open, address)
     await serving

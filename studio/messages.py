@@ -162,7 +162,7 @@ class Partners(_Request, frozen=True):
 class Make(_Request, frozen=True):
     """Build the puzzle; settings are those of `riot.parameters.FabricationParameters`."""
 
-    settings: dict[Name, float] = {}
+    settings: dict[Name, float | bool | str] = {}
     fix: bool = False
 
 

@@ -102,8 +102,8 @@ def _side(dissected: DissectedPlan, side: Side) -> tuple[Dissection, FloatArray,
 def _edited(
     dissection: Dissection, outer: FloatArray, pins: Sequence[Pin], name: str
 ) -> tuple[PlacedOutline, dict[int, tuple[int, PinnedSection]]]:
-    """The outline with the lines that are drawn on it already, and by cell their pins and sections."""
-    arcs, sections = list(dissection.arcs), dict[int, tuple[int, PinnedSection]]()
+    """The outline as it is, with the lines that are drawn on it already, and by cell their pins and sections."""
+    arcs, sections = list(dissection.paths), dict[int, tuple[int, PinnedSection]]()
     for k, pin in enumerate(pins):
         if pin.drawn:
             arc, section = drawn_section(PlacedOutline(dissection, outer, arcs), pin, f"pin {k} of {name}")

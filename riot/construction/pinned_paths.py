@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -33,17 +34,28 @@ def pinned_paths(dissection: Dissection, outer: FloatArray, pins: Sequence[Pin],
     ``name`` is the shape's, for messages. Raises `riot.errors.PinError` if a pin is not on the outline or cannot be
     met.
     """
-    if not pins:
-        return dissection.paths
+    numbered = list(enumerate(pins))
+    kept = [(k, pin) for k, pin in numbered if not pin.drawn]
+    paths = _solved_paths(dissection, outer, kept, name) if kept else dissection.paths
+    if len(kept) == len(pins):
+        return paths
+    # Where nothing is drawn the outline stays what it is now, not what the input's is: an edit is local.
+    return _solved_paths(replace(dissection, arcs=tuple(paths)), outer, numbered, name)
+
+
+def _solved_paths(
+    dissection: Dissection, outer: FloatArray, pins: Sequence[tuple[int, Pin]], name: str
+) -> list[FloatArray]:
+    """As `pinned_paths`, of numbered pins, with the dissection's arcs where nothing is drawn."""
     arcs, sections = list(dissection.arcs), dict[int, list[PinnedSection]]()
     # Drawn lines first: they change the arcs of which others are kept.
-    for k, pin in sorted(enumerate(pins), key=lambda item: not item[1].drawn):
+    for k, pin in sorted(pins, key=lambda item: not item[1].drawn):
         label = f"pin {k} of {name}"
         outline = PlacedOutline(dissection, outer, arcs)
         try:
             if pin.drawn:
                 arc, section = drawn_section(outline, pin, label)
-                if any(section.cell == on[0].cell for of, on in sections.items() if pins[of].drawn):
+                if any(section.cell == of[0].cell for of in sections.values()):
                     raise PinError(f"two lines are drawn on one piece of {name}: join them into one")
                 arcs[section.cell] = arc
                 sections[k] = [section]
@@ -51,18 +63,18 @@ def pinned_paths(dissection: Dissection, outer: FloatArray, pins: Sequence[Pin],
                 sections[k] = _kept(outline, pin, label)
         except PinError as error:
             raise error.of(k, pin.points) from None
-    drawn_on = {sections[k][0].cell for k, pin in enumerate(pins) if pin.drawn}
-    match = match_tree(dissection.tree, arcs, dissection.detail) if drawn_on else dissection.match
+    drawn = any(pin.drawn for _, pin in pins)
+    match = match_tree(dissection.tree, arcs, dissection.detail) if drawn else dissection.match
     pull = _pull(match, [section for of_pin in sections.values() for section in of_pin])
     paths = add_detail(dissection.plain_paths, arcs, match, dissection.detail, pull).paths
-    for k, of_pin in sorted(sections.items()):
-        for section in of_pin:
+    for k, pin in pins:
+        for section in sections[k]:
             distance = _missed(arcs[section.cell], paths[section.cell], section)
             if distance > PIN_TOLERANCE:
                 raise PinError(
                     f"pin {k} of {name} cannot be met (missed by {distance:.2g}, allowed {PIN_TOLERANCE:.2g}): another "
                     "is across the same cut, or the cut would cross another or leave the trunk; move it, or pin less"
-                ).of(k, pins[k].points)
+                ).of(k, pin.points)
     return paths
 
 
@@ -87,10 +99,13 @@ def drawn_section(outline: PlacedOutline, pin: Pin, label: str) -> tuple[FloatAr
     cell, low, high = sections[0].cell, sections[0].start, sections[0].stop
     inner, outer = outline.edges[cell]
     line = carried(pin.points if forwards else pin.points[::-1], outer, inner)
-    if not shapely.covers(shapely.Polygon(outline.trunk), shapely.LineString(line)):
+    # A piece may reach the edge of the trunk, and be carried there up to a rounding.
+    trunk = shapely.Polygon(outline.trunk).buffer(PIN_POSITION_SLACK)
+    if not shapely.covers(trunk, shapely.LineString(line)):
+        outside = line[~shapely.covers(trunk, shapely.points(line))]
         raise PinError(
             f"{label}: the drawn line leaves the trunk that its piece swings into: keep nearer to the outline"
-        )
+        ).at(carried(outside, inner, outer))
     arc, lengths = outline.inner_arcs[cell], outline.lengths[cell]
     arc = np.concatenate([arc[lengths < low - PIN_POSITION_SLACK], line, arc[lengths > high + PIN_POSITION_SLACK]])
     if not shapely.is_simple(shapely.LineString(arc)):

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from msgspec import Raw, Struct, json
 
+from studio.work.making import Finding, PartFacts
 
-class _News(Struct, frozen=True, tag_field="type", tag=lambda name: name.lower()):
+
+class News(Struct, frozen=True, tag_field="type", tag=lambda name: name.lower()):
     """A message to all tabs of a session."""
 
 
 class ShapeNews(Struct, frozen=True):
-    """An input."""
+    """An input; ``shape`` is its number in the collection, if it is of it."""
 
     name: str
     outline: list[float]
+    shape: int | None = None
 
 
 class SnapshotNews(Struct, frozen=True):
@@ -24,10 +27,11 @@ class SnapshotNews(Struct, frozen=True):
     words: str
 
 
-class Session(_News, frozen=True):
+class Session(News, frozen=True):
     """The state of a session, after every step."""
 
     id: str
+    seq: int
     revision: int
     undo: str | None
     redo: str | None
@@ -43,7 +47,7 @@ class Session(_News, frozen=True):
     saved: bool = True
 
 
-class TransformNews(_News, frozen=True, tag="transform"):
+class TransformNews(News, frozen=True, tag="transform"):
     """A transform that answers a request, or is there when a tab is opened."""
 
     seq: int
@@ -52,14 +56,14 @@ class TransformNews(_News, frozen=True, tag="transform"):
     scene: Raw
 
 
-class MotionNews(_News, frozen=True, tag="motion"):
+class MotionNews(News, frozen=True, tag="motion"):
     """How a transform swings, planned after it was shown."""
 
     transform: str
     motion: Raw
 
 
-class Problem(_News, frozen=True):
+class Problem(News, frozen=True):
     """What cannot be, where, and why; what is shown stays."""
 
     seq: int
@@ -70,14 +74,14 @@ class Problem(_News, frozen=True):
     pin: int | None = None
 
 
-class Refused(_News, frozen=True):
+class Refused(News, frozen=True):
     """A request that is not understood, or cannot be followed now."""
 
     seq: int
     words: str
 
 
-class Progress(_News, frozen=True):
+class Progress(News, frozen=True):
     """What is being done."""
 
     seq: int
@@ -87,7 +91,7 @@ class Progress(_News, frozen=True):
     of: int | None = None
 
 
-class AlternativeNews(_News, frozen=True, tag="alternative"):
+class AlternativeNews(News, frozen=True, tag="alternative"):
     """Another transform of the two shapes."""
 
     seq: int
@@ -99,7 +103,7 @@ class AlternativeNews(_News, frozen=True, tag="alternative"):
     scene: Raw
 
 
-class AlternativesEnd(_News, frozen=True, tag="alternatives_end"):
+class AlternativesEnd(News, frozen=True, tag="alternatives_end"):
     """No more alternatives come."""
 
     seq: int
@@ -107,7 +111,66 @@ class AlternativesEnd(_News, frozen=True, tag="alternatives_end"):
     words: str = ""
 
 
-def encoded(news: _News) -> bytes:
+class PartnerRow(Struct, frozen=True):
+    """A shape of the collection by number, and its QCRS."""
+
+    shape: int
+    qcrs: float
+
+
+class PartnersNews(News, frozen=True, tag="partners"):
+    """The best partners of a shape, best first."""
+
+    seq: int
+    shape: int | None
+    milliseconds: float
+    partners: list[PartnerRow]
+
+
+class PartnerNews(News, frozen=True, tag="partner"):
+    """A small transform with a partner."""
+
+    seq: int
+    shape: int
+    scene: Raw
+
+
+class PartnersEnd(News, frozen=True, tag="partners_end"):
+    """No more partners come."""
+
+    seq: int
+
+
+class PartNews(PartFacts, frozen=True):
+    """A part, and where its STL file is."""
+
+    url: str = ""
+
+
+class Made(News, frozen=True):
+    """A puzzle that was made; ``passed``: its files can be downloaded."""
+
+    seq: int
+    transform: str
+    key: str
+    passed: bool
+    changes: list[str]
+    scale: float
+    thickness: float
+    findings: list[Finding]
+    parts: list[PartNews]
+
+
+class MadeNot(News, frozen=True, tag="made_not"):
+    """Why a puzzle cannot be made, and which parameter would mend it."""
+
+    seq: int
+    words: str
+    parameter: str | None
+    value: float | None = None
+
+
+def encoded(news: News) -> bytes:
     """A message as JSON.
 
     >>> encoded(Refused(1, "no"))

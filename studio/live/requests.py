@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from studio.live import news
 from studio.live.alternatives import stream_alternatives
+from studio.live.making import make
+from studio.live.partners import stream_partners
+from studio.live.search import set_pieces, swap
 from studio.live.session import LiveSession
 from studio.messages import (
     Alternatives,
     EditRequest,
     Forget,
+    Make,
+    Partners,
+    Pieces,
     Redo,
     Request,
     Restore,
     Snapshot,
     Stop,
+    Swap,
     Undo,
 )
 
@@ -23,6 +30,10 @@ async def follow(session: LiveSession, request: Request) -> None:
     match request:
         case EditRequest(phase="move"):
             session.move(request)
+        case EditRequest(seq, _, Swap()):
+            await swap(session, seq)
+        case EditRequest(seq, _, Pieces() as edit):
+            await set_pieces(session, seq, edit)
         case EditRequest():
             await session.release(request)
         case Undo(seq):
@@ -36,8 +47,13 @@ async def follow(session: LiveSession, request: Request) -> None:
         case Forget(seq, name):
             await session.go(seq, lambda history: history.forgotten(name))
         case Alternatives(seq):
-            session.start("alternatives", stream_alternatives(session, seq))
+            session.jobs.start("alternatives", stream_alternatives(session, seq))
+        case Partners(seq):
+            if session.collection is None:
+                await session.tabs.tell(news.Refused(seq, "no collection is open: start with `riot studio --in RUN`"))
+            else:
+                session.jobs.start("partners", stream_partners(session, session.collection, request))
+        case Make():
+            session.jobs.start("make", make(session, request))
         case Stop():
-            session.stop()
-        case _:
-            await session.tell(news.Refused(request.seq, "not known yet"))
+            session.jobs.stop("alternatives", "partners", "make")

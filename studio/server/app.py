@@ -15,7 +15,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 from studio.live.studio import Studio
-from studio.server import inputs, sessions
+from studio.server import collection, downloads, inputs, sessions
 from studio.server.guard import Guard
 from studio.server.socket import connect
 
@@ -27,11 +27,8 @@ def make_app(studio: Studio, port: int, token: str) -> ASGIApp:
 
     @asynccontextmanager
     async def running(_: Starlette) -> AsyncIterator[None]:
-        studio.begin()
-        try:
-            yield
-        finally:
-            studio.close()
+        yield
+        studio.close()
 
     app = Starlette(
         lifespan=running,
@@ -39,6 +36,8 @@ def make_app(studio: Studio, port: int, token: str) -> ASGIApp:
             Route("/", page),
             *sessions.ROUTES,
             *inputs.ROUTES,
+            *collection.ROUTES,
+            *downloads.ROUTES,
             WebSocketRoute("/ws/{session}", connect),
             Mount("/static", StaticFiles(directory=STATIC)),
         ],

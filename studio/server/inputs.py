@@ -7,6 +7,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from riot.errors import RiotError, SilhouetteError
+from studio.live.search import put_file
 from studio.server.answers import as_json, refuse, session_of
 
 MAX_UPLOAD = 32_000_000
@@ -43,7 +44,7 @@ async def put_input(request: Request) -> Response:
         return refuse(404, "there is no such session")
     try:
         data = await body_of(request, MAX_UPLOAD)
-        await session.put_input(side, data, request.query_params.get("name", ""))
+        await put_file(session, side, data, request.query_params.get("name", ""))
     except UploadTooLarge:
         return refuse(TOO_LARGE, f"the file has more than {MAX_UPLOAD // 1_000_000} MB: make it smaller", "too-large")
     except SilhouetteError as error:

@@ -32,7 +32,7 @@ async def new_session(request: Request) -> Response:
 async def scene(request: Request) -> Response:
     """The scene of a transform of a session."""
     try:
-        return as_json(Raw(await session_of(request).scene(request.path_params["transform"])))
+        return as_json(Raw(await session_of(request).view.scene(request.path_params["transform"])))
     except KeyError:
         return refuse(404, "there is no such transform")
 

@@ -9,8 +9,10 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from riot.errors import FormatError
 from studio.live import news
 from studio.live.requests import follow
-from studio.live.session import LiveSession, Send
+from studio.live.search import resume
+from studio.live.session import LiveSession
 from studio.live.studio import Studio
+from studio.live.tabs import Send
 from studio.messages import MAX_BYTES, RequestError, read_request
 
 
@@ -31,13 +33,14 @@ async def connect(websocket: WebSocket) -> None:
 
     try:
         await session.join(send)
+        await resume(session)
         while True:
             text = await websocket.receive_text()
             await _answer(session, text, send)
     except WebSocketDisconnect:
         pass
     finally:
-        session.leave(send)
+        session.tabs.remove(send)
 
 
 async def _answer(session: LiveSession, text: str, send: Send) -> None:
@@ -48,4 +51,4 @@ async def _answer(session: LiveSession, text: str, send: Send) -> None:
     except RequestError as error:
         await send(news.encoded(news.Refused(0, str(error))))
         return
-    session.spawn(follow(session, request))
+    session.jobs.spawn(follow(session, request))

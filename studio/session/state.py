@@ -35,6 +35,8 @@ class State(Struct, frozen=True):
         What was done last, as undo calls it.
     p, q : str, optional
         Digests of the inputs.
+    number_p, number_q : int, optional
+        Their numbers in the collection, if they are of it.
     pieces : two int, optional
         Least and greatest number of pieces.
     weight : float, optional
@@ -52,6 +54,8 @@ class State(Struct, frozen=True):
     step: str = "start"
     p: str | None = None
     q: str | None = None
+    number_p: int | None = None
+    number_q: int | None = None
     pieces: tuple[int, int] | None = None
     weight: float | None = 1.0
     root: str | None = None

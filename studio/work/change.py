@@ -43,13 +43,16 @@ from studio.work.answer import Answer, draft, kept
 from studio.work.material import Files, back, dissected, pins_of, side_pins, transform
 from studio.work.search import both_modes, found_plans
 
-DRAFT_BEND = BendParameters(method="elastic", sketch_steps=6, steps=0)
+DRAFT_BEND = BendParameters(method="elastic", sketch_steps=8, steps=0, turns=0)
 """A bend that is answered while a slider is dragged."""
 
 EXACT_BEND = BendParameters(method="elastic")
 
 DIGITS = 9
 """Decimals of pins and regions that are kept: a millionth of a pixel."""
+
+GRASP = 0.3
+"""A person may be so far off the outline that is meant, in the unit-area frame."""
 
 Item = TypeVar("Item")
 
@@ -67,14 +70,17 @@ def change(state: State, edit: Edit, files: Files, quick: bool) -> Answer:
     base = transform(files, state.base)
     match edit:
         case Draw(side, line):
-            pins = add_line(dissected(files, state.base), side, _pins(state, base, side), points_of(line))
+            pins = _pins(state, base, side)
+            pins = add_line(dissected(files, state.base), side, pins, _with_ends_on(points_of(line), base, side))
             return _pinned(_with_pins(state, base, side, pins, "draw"), files, quick)
         case Pull(side, at, to, reach):
             pins = _pins(state, base, side)
-            pins = pull(dissected(files, state.base), side, pins, points_of(at)[0], points_of(to)[0], reach)
+            there = nearest(points_of(at), base.outline_p() if side == "p" else base.outline_q())[0]
+            pins = pull(dissected(files, state.base), side, pins, there, points_of(to)[0], reach)
             return _pinned(_with_pins(state, base, side, pins, "pull"), files, quick)
         case Keep(side, points):
-            pins = (*_pins(state, base, side), GeometryPin(points_of(points)))
+            there = nearest(points_of(points), (base.p if side == "p" else base.q).points)
+            pins = (*_pins(state, base, side), GeometryPin(there))
             return _pinned(_with_pins(state, base, side, pins, "keep"), files, quick)
         case Unpin(side, index):
             pins = _without(_pins(state, base, side), index, "pin")
@@ -94,6 +100,26 @@ def change(state: State, edit: Edit, files: Files, quick: bool) -> Answer:
         case Unstiff(side, index):
             return _stiffened(state, side, _without(state.stiff(side), index, "stiff region"), files, quick)
     raise RequestError("this edit needs no transform, and is no change of one")
+
+
+def nearest(points: FloatArray, outline: FloatArray) -> FloatArray:
+    """(k, 2) the points of an outline (m, 2) that are nearest to ``points``; raises RequestError if one is far off.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> nearest(np.array([[0.5, -0.1]]), square).tolist()
+    [[0.5, 0.0]]
+    """
+    ring, given = shapely.LinearRing(outline), shapely.points(points)
+    if (shapely.distance(ring, given) > GRASP).any():
+        raise RequestError("this is far from the outline")
+    on_it = shapely.line_interpolate_point(ring, shapely.line_locate_point(ring, given))
+    return np.asarray(shapely.get_coordinates(on_it))
+
+
+def _with_ends_on(line: FloatArray, base: Transform, side: Side) -> FloatArray:
+    """A drawn line (k, 2) whose ends are moved to the outline that the pieces make."""
+    outline = base.outline_p() if side == "p" else base.outline_q()
+    return np.concatenate([nearest(line[:1], outline), line[1:-1], nearest(line[-1:], outline)])
 
 
 def _pins(state: State, base: Transform, side: Side) -> tuple[GeometryPin, ...]:

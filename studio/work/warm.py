@@ -15,7 +15,7 @@ _HOUSE = ((0, 0), (4, 0), (4, 3), (2, 5), (0, 3))
 _KITE = ((0, 3), (-2, 0), (0, -2), (2, 0))
 
 
-def warm() -> None:
+def answer_once() -> None:
     """Load and run what answers need, so that a person does not wait for it."""
     shapes = [polygon_shape(points, name) for points, name in ((_HOUSE, "house"), (_KITE, "kite"))]
     p, q = (shape_file(shape_document.to_document(shape)) for shape in shapes)

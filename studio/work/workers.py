@@ -1,4 +1,4 @@
-"""Processes beside the event loop: one that answers a person at once, one for what takes longer."""
+"""Processes beside the event loop: one answers a person at once, the others do what takes longer."""
 
 from __future__ import annotations
 
@@ -56,17 +56,18 @@ class Worker:
 
 
 class Workers:
-    """The two processes of a studio."""
+    """The processes of a studio: ``live`` answers, ``background`` looks further, ``workshop`` makes puzzles."""
 
     def __init__(self) -> None:
         """Start nothing yet."""
         self.live = Worker()
         self.background = Worker()
+        self.workshop = Worker()
 
     def close(self) -> None:
-        """End both."""
-        self.live.close()
-        self.background.close()
+        """End all of them."""
+        for worker in (self.live, self.background, self.workshop):
+            worker.close()
 
 
 def _ignore_interrupts() -> None:
