@@ -22,8 +22,9 @@ from riot.construction.stiff import load_stiff
 from riot.construction.trunk_choice import construct, construct_from
 from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.animate import animate_svg
+from riot.draw.ffmpeg import film_writer
 from riot.draw.figure import draw_transform
-from riot.draw.film import film_writer, write_film
+from riot.draw.film import write_film
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.strip import draw_strip
 from riot.draw.texture.names import SIDES, Side
@@ -93,7 +94,7 @@ def add_options(parser: Parser) -> None:
         "files are written all the same (default: %(default)s)",
     )
     parser.add_argument("--gif", action="store_true", help="film the motion as an animated GIF too")
-    parser.add_argument("--mp4", action="store_true", help="film it as an MP4 too (needs the extra 'film')")
+    parser.add_argument("--mp4", action="store_true", help="film it as an MP4 too (needs ffmpeg, or the extra 'film')")
     for side, name in zip(SIDES, "AB", strict=True):
         parser.add_argument(
             f"--texture-{side}",
