@@ -41,6 +41,13 @@ def add_bend(parser: Parser) -> None:
     )
 
 
+def add_force(parser: Parser) -> None:
+    """Add the option ``--force`` to a command that writes files: ``replace_files`` of the library."""
+    parser.parameter_option(
+        "--force", "replace_files", action="store_true", help="replace the files of an older puzzle that are there"
+    )
+
+
 def read_inputs(path_a: Path, path_b: Path) -> tuple[Shape, Shape]:
     """The two shapes, named so that they can be told apart; raises `riot.errors.SilhouetteError`, OSError."""
     return _named(path_a, path_b), _named(path_b, path_a)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import errno
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from riot.cli.inputs import add_bend, add_inputs, add_pieces, read_inputs
+from riot.cli.inputs import add_bend, add_force, add_inputs, add_pieces, read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import DONE, EXIT_CODES, Parser, UsageError
 from riot.cli.show import transform_facts, transform_lines
+from riot.cli.transform_files import SUFFIXES, write_transform
 from riot.construction.pins import load_pins
 from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_search import PieceCounts, alternatives
@@ -21,14 +21,11 @@ from riot.construction.plan_transform import construct_plan
 from riot.construction.stiff import load_stiff
 from riot.construction.trunk_choice import construct, construct_from
 from riot.draw import texture  # lazy: what paints takes a second to import
-from riot.draw.animate import animate_svg
 from riot.draw.ffmpeg import film_writer
-from riot.draw.figure import draw_transform
-from riot.draw.film import write_film
 from riot.draw.piece_image import NO_IMAGES, PieceImages
-from riot.draw.strip import draw_strip
 from riot.draw.texture.names import SIDES, Side
 from riot.errors import TrunkError
+from riot.fabricate.export.folder import check_files, check_folder, new_folder
 from riot.kernels.warm import compile_used
 from riot.motion.planner import with_motion
 from riot.parameters import (
@@ -46,7 +43,6 @@ from riot.transform.certificate import certify
 from riot.transform.deformation import overlap_ratios
 from riot.transform.history import History
 from riot.transform.provenance import file_digest, record_history
-from riot.transform.riot_file import save
 from riot.transform.transform import Transform
 
 POOR = 4
@@ -69,6 +65,7 @@ class Wishes:
     """Colour pictures of P and Q, of the same size as the inputs: what the pieces show."""
     bend: BendParameters | None = None
     stiff: Path | None = None
+    replace_files: bool = False
 
 
 def add_options(parser: Parser) -> None:
@@ -76,6 +73,7 @@ def add_options(parser: Parser) -> None:
     add_inputs(parser)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="where results go")
     parser.add_argument("--rank", type=int, metavar="K", help="use the trunk pair of this rank of `riot trunks`")
+    add_force(parser)
     add_pieces(parser)
     add_bend(parser)
     parser.add_argument(
@@ -120,6 +118,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         pictures=pictures,
         bend=chosen.bend,
         stiff=chosen.stiff,
+        replace_files=chosen.replace_files,
     )
     transform = make(chosen.a, chosen.b, chosen.output, wishes, output)
     if min(overlap_ratios(transform)) >= chosen.min_iou:
@@ -150,15 +149,15 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
 
     Raises `riot.errors.TrunkError` if there is no trunk pair of the rank that is wished for.
     """
-    films = wishes.films
+    films, name = wishes.films, f"{path_a.stem}--{path_b.stem}"
+    # What can be known is told before the long work.
     if ".mp4" in films:
-        film_writer()  # before the long work: it raises if there is none
+        film_writer()
     a, b = read_inputs(path_a, path_b)
+    check_folder(folder, replace_files=True)
+    check_files([folder / f"{name}{suffix}" for suffix in (*SUFFIXES, *films)], replace_files=wishes.replace_files)
     pins = None if wishes.pins is None else load_pins(wishes.pins, a, b)
     stiff = None if wishes.stiff is None else load_stiff(wishes.stiff, a, b)
-    if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, "a file, where results need a folder", str(folder))
-    folder.mkdir(parents=True, exist_ok=True)
     compile_used(output.note, __name__)
     scores = {"qcrs": qcrs(a, b).score, "crs": crs(a, b).score}
     output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
@@ -179,10 +178,12 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
     facts = transform_facts(transform)
     output.show(*transform_lines(transform, facts))
     images = _piece_images(transform, wishes.pictures, {"p": path_a, "q": path_b})
-    files = []
-    for path in _written(transform, folder / f"{path_a.stem}--{path_b.stem}", films, images):
-        output.show(str(path))
-        files.append(path)
+    with new_folder(folder, replace_files=True) as temporary:
+        files = []
+        for path in write_transform(transform, temporary / name, films, images):
+            files.append(folder / path.name)
+            output.detail(f"{path.name} is ready")
+    output.show(*map(str, files))
     output.document({**scores, **facts, "files": files})
     return transform
 
@@ -226,24 +227,3 @@ def _piece_images(
         return NO_IMAGES
     textures = texture.paint.find_textures(transform, pictures, masks)
     return texture.sample.piece_images(transform, textures)
-
-
-def _written(transform: Transform, stem: Path, films: Sequence[str], images: PieceImages) -> Iterator[Path]:
-    """Write the files of a transform, ``stem`` and a suffix each; yields each path when it is written."""
-
-    def swing(path: Path) -> None:
-        path.write_text(animate_svg(transform, images), encoding="utf-8")
-
-    kinds: list[tuple[str, Callable[[Path], None]]] = [
-        (".riot", lambda path: save(transform, path)),
-        (".svg", lambda path: draw_transform(transform, path, images)),
-        (".png", lambda path: draw_transform(transform, path, images)),
-        (".strip.svg", lambda path: draw_strip(transform, path, images)),
-        (".strip.png", lambda path: draw_strip(transform, path, images)),
-        (".swing.svg", swing),
-        *((film, lambda path: write_film(transform, path, images=images)) for film in films),
-    ]
-    for suffix, write in kinds:
-        path = stem.with_name(f"{stem.name}{suffix}")
-        write(path)
-        yield path

@@ -7,6 +7,7 @@ import json
 import math
 from pathlib import Path
 
+from riot.cli.inputs import add_force
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.size_options import add_sizes, chosen_sizes
@@ -18,6 +19,7 @@ from riot.fabricate import export
 from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
+from riot.fabricate.plates import check_bed
 from riot.kernels.warm import compile_used
 from riot.transform.riot_file import load
 
@@ -26,8 +28,9 @@ def add_options(parser: Parser) -> None:
     """See `riot.cli.command.CommandModule`."""
     parser.add_argument("file", type=Path, metavar="FILE.riot", help="a transform, as `riot make` writes it")
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="DIR", help="a folder that is not there yet"
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="a folder that is not there yet, or is empty"
     )
+    add_force(parser)
     add_sizes(parser)
     parser.add_argument("--fix", action="store_true", help="change pin, size or wall if it cannot be made as is")
     parser.add_argument(
@@ -53,11 +56,12 @@ def add_options(parser: Parser) -> None:
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     parameters = chosen_sizes(chosen)
-    check_folder(chosen.output)
-    transform = load(chosen.file)
     pictures, masks = (
         {side: path for side in SIDES if (path := getattr(chosen, f"{name}_{side}"))} for name in ("texture", "mask")
     )
+    transform = load(chosen.file)
+    check_folder(chosen.output, replace_files=chosen.replace_files)
+    check_bed(transform, parameters)
     textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern)
     paper = chosen.paper or chosen.dxf or bool(textures)
 
@@ -65,13 +69,22 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         export.paperwork.write_paperwork(puzzle.design, folder, textures, dxf=chosen.dxf)
 
     compile_used(output.note, __name__)
+    output.note("designs the pieces and proves that they move")
     puzzle = (fix if chosen.fix else build)(transform, parameters)
     _show(puzzle, output)
     if paper:
         output.show(*(f"warning: {words}" for words in export.flat.laser_notes(puzzle.design)))
     if not puzzle.certificate.passed:
         raise FabricationError("uncertified", "; ".join(puzzle.certificate.failures))
-    files = write_puzzle(puzzle.design, puzzle.parts, puzzle.certificate, chosen.output, [write_paper] if paper else ())
+    output.note("writes the files")
+    files = write_puzzle(
+        puzzle.design,
+        puzzle.parts,
+        puzzle.certificate,
+        chosen.output,
+        [write_paper] if paper else (),
+        replace_files=chosen.replace_files,
+    )
     document = json.loads((chosen.output / "parts.json").read_bytes())
     output.facts({"changes": puzzle.changes, "puzzle": document, "files": files}, *map(str, files))
     return 0

@@ -174,8 +174,8 @@ def _weaknesses(piece: PieceDesign, raw: FloatArray, parameters: FabricationPara
     wall, wanted = narrowest(piece), 2.0 * min(parameters.wall_mm, STRONG_WALL_MM)
     if wall < wanted:
         warnings.append(
-            f"{piece.name}: {wall:.1f} mm wide at its narrowest, less than two walls of {0.5 * wanted:g} mm: "
-            f"a larger {widening_parameter(piece, wanted)} helps"
+            f"{piece.name}: only {wall:.1f} mm wide at its narrowest, where {wanted:g} mm would be strong: "
+            f"a larger {widening_parameter(piece, wanted)} makes that place wider"
         )
     hinged = sum(math.pi * end.relief_radius**2 for end in (piece.start, piece.end)) / signed_area(piece.outline)
     if hinged > LARGE_HINGE_SHARE:

@@ -171,7 +171,7 @@ def test_strain_and_both_overlaps_are_told_apart(transform: Transform) -> None:
 def test_make_bends_and_says_so(
     pictures: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    make = ["make", *map(str, pictures), "-o", str(tmp_path), "--min-iou", "1"]
+    make = ["make", *map(str, pictures), "-o", str(tmp_path), "--force", "--min-iou", "1"]
     file = tmp_path / "house--fish.riot"
     assert main([*make, "--bend"]) == 4
     printed = capsys.readouterr()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 from dataclasses import replace
 from pathlib import Path
@@ -11,11 +12,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from riot.cli import print_puzzle
 from riot.cli.main import main
 from riot.fabricate import Design, FabricationError, FabricationParameters, design
 from riot.fabricate.certificate import FabricationCertificate, certify
 from riot.fabricate.export.solids import stl_bytes, write_puzzle
-from riot.fabricate.plates import lay_out
+from riot.fabricate.plates import check_bed, lay_out
 from riot.fabricate.solid import Part, make_parts
 from riot.fabricate.tuning import BED_SPACE_MM
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
@@ -140,7 +142,7 @@ def test_nothing_is_written_if_anything_fails(puzzle: Puzzle, tmp_path: Path) ->
 
 def test_a_folder_with_something_in_it_is_left_alone(puzzle: Puzzle, tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(FileExistsError, match="not an empty folder"):
+    with pytest.raises(FileExistsError, match="is not empty"):
         write_puzzle(*puzzle, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
@@ -187,3 +189,40 @@ class TestPrint:
     def test_fixes_it_when_told_to(self, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["print", str(saved), "-o", str(tmp_path / "out"), *SMALL, "--fix"]) == 0
         assert "changed: --pin: 1.75 instead of 8" in capsys.readouterr().out
+
+    def test_what_is_certain_is_told_before_the_work(
+        self, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def too_late(*_: object) -> None:
+            raise AssertionError("the puzzle is being built")
+
+        monkeypatch.setattr(print_puzzle, "build", too_late)
+        command = ["print", str(saved), "-o"]
+        assert main([*command, str(tmp_path / "out"), "--size", "400"]) == 2
+        message = capsys.readouterr().err
+        assert "mm, the bed 220 × 220 mm: lessen --size (400) to about" in message and "--bed-width" in message
+        advised = int(re.findall(r"to about (\d+)", message)[0])
+        check_bed(exact_transform(dudeney()), FabricationParameters(size_mm=float(advised)))
+        with pytest.raises(FabricationError, match="lessen"):
+            check_bed(exact_transform(dudeney()), FabricationParameters(size_mm=advised + 5.0))
+
+        (tmp_path / "file").write_text("")
+        assert main([*command, str(tmp_path / "file" / "out")]) == 2
+        assert str(tmp_path / "file" / "out") in capsys.readouterr().err
+        (tmp_path / "full").mkdir()
+        (tmp_path / "full" / "mine.txt").write_text("mine")
+        assert main([*command, str(tmp_path / "full")]) == 2
+        assert "is not empty: name another folder, or replace what is in it (--force)" in capsys.readouterr().err
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "full", "puzzle.riot"]
+
+    def test_force_replaces_an_older_puzzle_and_keeps_the_rest(self, saved: Path, tmp_path: Path) -> None:
+        out = tmp_path / "out"
+        command = ["print", str(saved), "-o", str(out), "--size", "90"]
+        assert main(command) == 0
+        for name in ("mine.txt", "piece-9.stl"):
+            (out / name).write_text("")
+        before = (out / "parts.json").read_bytes()
+        assert main(command) == 2
+        assert main([*command[:-1], "100", "--force"]) == 0
+        assert (out / "mine.txt").exists() and not (out / "piece-9.stl").exists()
+        assert (out / "parts.json").read_bytes() != before and (out / "piece-1.stl").stat().st_size > 0

@@ -227,6 +227,11 @@ def test_make_says_that_a_likeness_is_poor_and_keeps_the_files(
     transform = Transform.load(tmp_path / "out" / "house--kite.riot")
     assert f"{transform.overlap_ratios[0]:.2f} with house" in complaint and "riot match" in complaint
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(f"house--kite{end}" for end in MADE)
+    assert main(make) == 2
+    assert "house--kite.png is there already, as are 5 more" in (complaint := capsys.readouterr().err)
+    assert "replace them (--force)" in complaint
+    assert main([*make, "--force"]) == 0
+    capsys.readouterr()
     assert main([*make, "--min-iou", "1.5"]) == 2
     assert "'1.5' is not a number from 0 to 1" in capsys.readouterr().err
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from typing import TYPE_CHECKING
 
@@ -55,6 +56,15 @@ def sizes(design: Design) -> list[str]:
         f"laser kerf {parameters.kerf_mm:g} mm",
         "Clearances are from makers' literature, not from our own prints: print one hinge first.",
     ]
+
+
+def warnings(design: Design) -> list[str]:
+    """The warnings of the design, with the options of `riot print` for the parameters that they name."""
+    return [re.sub(r"\b([a-z_]+)_mm\b", _option, words) for words in design.warnings]
+
+
+def _option(parameter: re.Match[str]) -> str:
+    return f"--{parameter[1].replace('_', '-')}"
 
 
 def pins_in_words(design: Design) -> str:

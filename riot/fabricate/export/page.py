@@ -16,7 +16,7 @@ from riot.draw.palette import hue
 from riot.draw.pdf import pdf_bytes
 from riot.draw.scene import Mark, Region, Scene
 from riot.fabricate.export.flat import FlatFormatError
-from riot.fabricate.export.instructions import end_in_words, pins_in_words, shape_names, sizes, steps
+from riot.fabricate.export.instructions import end_in_words, pins_in_words, shape_names, sizes, steps, warnings
 from riot.fabricate.export.paper import Frame, disc, number_marks, region_mark, sheet, text
 from riot.transform.pose import Pose, direction
 
@@ -120,14 +120,15 @@ def _lists(design: Design) -> list[list[Mark]]:
     """The pages after the first: parts, pins, steps, warnings; as many as there need to be."""
     lines: list[tuple[str, str]] = [("head", "Parts")]
     for piece in design.pieces:
-        wide, high = np.ptp(piece.outline, axis=0).tolist()
+        x0, y0, x1, y1 = piece.footprint.bounds  # with its knuckles
+        wide, high = x1 - x0, y1 - y0
         ends = f"{end_in_words(piece.start)}, then {end_in_words(piece.end)}"
         lines.append(("row", f"{piece.index + 1}\t1 × {piece.name}\t{wide:.0f} × {high:.0f} mm\t{ends}"))
     lines += [("row", f"\t{pin.count} × pin\t⌀ {pin.diameter:g} × {pin.length:g} mm\t") for pin in design.pins]
     if design.sleeves:
         lines.append(("row", f"\t{design.sleeves} × sleeve\t\tof telescopic hinges"))
     lines += [("gap", ""), ("head", "Steps"), *_numbered(steps(design))]
-    lines += [("gap", ""), ("head", "Warnings"), *(_numbered(design.warnings) or [("text", "none")])]
+    lines += [("gap", ""), ("head", "Warnings"), *(_numbered(warnings(design)) or [("text", "none")])]
     lines += [("gap", ""), ("head", "Sizes"), *(("text", line) for line in sizes(design))]
 
     pages: list[list[Mark]] = [[]]

@@ -17,7 +17,7 @@ import numpy as np
 
 from riot.errors import FabricationError
 from riot.fabricate.certificate import FabricationCertificate
-from riot.fabricate.export.folder import new_folder
+from riot.fabricate.export.folder import PUZZLE_FILES, new_folder
 from riot.fabricate.model import Design
 from riot.fabricate.plates import PlacedPart, Plate, lay_out
 from riot.fabricate.solid import Part
@@ -51,18 +51,21 @@ def write_puzzle(
     certificate: FabricationCertificate,
     folder: Path,
     more: Sequence[Callable[[Path], None]] = (),
+    *,
+    replace_files: bool = False,
 ) -> list[Path]:
     """Write all files of a puzzle into a new folder, or none: ``NAME.stl`` a part, ``plate-K.3mf``, ``parts.json``.
 
     Each of ``more`` writes further files into the folder that it is given. Returns what was written.
 
     Raises `riot.errors.FabricationError` if the certificate fails or a part does not fit the bed, OSError if
-    the folder cannot be written, is a file, or holds something already.
+    the folder cannot be written, is a file, or holds something already that ``replace_files`` does not allow to replace
+    (`riot.fabricate.export.folder.new_folder`).
     """
     if not certificate.passed:
         raise FabricationError("uncertified", "; ".join(certificate.failures))
     plates = lay_out(parts, design.parameters)
-    with new_folder(folder) as temporary:
+    with new_folder(folder, replace_files=replace_files, stale=PUZZLE_FILES) as temporary:
         for part in parts:
             (temporary / f"{part.name}.stl").write_bytes(stl_bytes(part))
         for k, plate in enumerate(plates):
@@ -71,7 +74,8 @@ def write_puzzle(
         (temporary / "parts.json").write_text(f"{document}\n", encoding="utf-8", newline="\n")
         for write in more:
             write(temporary)
-    return sorted(path for path in folder.rglob("*") if path.is_file())
+        names = [path.relative_to(temporary) for path in temporary.rglob("*") if path.is_file()]
+    return sorted(folder / name for name in names)
 
 
 def stl_bytes(part: Part) -> bytes:
