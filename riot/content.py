@@ -13,6 +13,8 @@ import numpy as np
 class ByContent:
     """What a data class inherits, declared with ``eq=False``: equal are objects of one class with equal content.
 
+    Fields declared with ``compare=False`` do not count.
+
     Numbers count to the last bit: nan equals the same nan, and 0.0 differs from -0.0. The hash is computed at every
     call; what looks values up often keeps them by identity instead (`riot.transform.transform_cache`).
 
@@ -42,7 +44,7 @@ def content(value: Any) -> Any:
     if isinstance(value, Mapping):
         return "mapping", frozenset((key, content(item)) for key, item in value.items())
     if is_dataclass(value):
-        return type(value), tuple(content(getattr(value, field.name)) for field in fields(value))
+        return type(value), tuple(content(getattr(value, field.name)) for field in fields(value) if field.compare)
     return value
 
 

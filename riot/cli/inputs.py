@@ -11,7 +11,7 @@ from riot.geometry.shape import Shape
 from riot.geometry.silhouette import read
 from riot.parameters import BendParameters
 
-PICTURE = "a picture (PNG, GIF, BMP, TIFF, JPEG) or an SVG file"
+PICTURE = "a picture (PNG, GIF, BMP, TIFF, JPEG, WebP, AVIF) or an SVG file"
 
 
 def add_inputs(parser: Parser) -> None:

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 from scipy import ndimage
-from skimage.filters import threshold_otsu
 from skimage.measure import find_contours
 
 from riot.errors import SilhouetteError
 from riot.geometry import polyline
 from riot.geometry.picture import Picture
+from riot.geometry.quality import ReadingQuality
+from riot.geometry.separation import separate
 from riot.parameters import ShapeParameters
 from riot.types import BoolArray, FloatArray
 
@@ -21,15 +22,15 @@ _FINE_SIDE = 512.0
 _FAITHFUL = 0.02
 """Share of the area by which a contour may differ from the pixels; above it smoothing is reduced. Ours."""
 
-_LEVELS = 256
-"""Grey levels of Otsu's threshold."""
-
 _BLUR_REACH = 4.0
 """Standard deviations after which SciPy cuts off a Gaussian."""
 
 
-def find_object(picture: Picture, where: str, parameters: ShapeParameters) -> tuple[FloatArray, BoolArray]:
-    """Find the object in a picture: its share of each pixel, in [0, 1], and its largest component's pixels, filled.
+def find_object(
+    picture: Picture, where: str, parameters: ShapeParameters
+) -> tuple[FloatArray, BoolArray, ReadingQuality]:
+    """Find the object in a picture: its share of each pixel, in [0, 1], its largest component's pixels, filled, and
+    how well it is separate from the page.
 
     ``where`` names the picture in errors.
 
@@ -38,58 +39,21 @@ def find_object(picture: Picture, where: str, parameters: ShapeParameters) -> tu
     SilhouetteError
         ``one-colour``, ``all-border``, ``too-small``.
     """
-    grey = picture.grey
-    if grey.min() == grey.max():
+    if picture.grey.min() == picture.grey.max() and picture.colours is None:
         raise SilhouetteError(
             "one-colour", f"{where}: all pixels are alike; the picture must show an object on a background"
         )
-    if min(grey.shape) < 3:
+    if min(picture.grey.shape) < 3:
         raise SilhouetteError("all-border", f"{where}: every pixel is on the border; add a margin to the picture")
-    low, high = _two_levels(grey)
-    ramp = np.clip((grey - low) * (1.0 / (high - low)), 0.0, 1.0)
-    light = ramp > 0.5
-    border = np.concatenate([light[0], light[-1], light[1:-1, 0], light[1:-1, -1]])
-    if not picture.opaque_object and 2 * int(border.sum()) > len(border):
-        light, ramp = ~light, 1.0 - ramp
-    component = _largest(_filled(light))
-    count = int(component.sum()) * picture.factor**2
+    seen = separate(picture)
+    count = int(seen.component.sum()) * picture.factor**2
     if count < parameters.min_pixels:
         raise SilhouetteError(
             "too-small",
             f"{where}: the object has {count} pixels, fewer than min_pixels, {parameters.min_pixels}; "
             "use a larger picture",
         )
-    return ramp, component
-
-
-def _two_levels(grey: FloatArray) -> tuple[float, float]:
-    """Mean grey of the dark and of the light pixels, separated by Otsu's threshold (Otsu 1979)."""
-    least, most = float(grey.min()), float(grey.max())
-    levels = ((grey - least) * ((_LEVELS - 1.0) / (most - least))).astype(np.uint8)
-    counts = np.bincount(levels.ravel(), minlength=_LEVELS)
-    split = int(threshold_otsu(hist=counts)) + 1
-    dark, light = counts[:split], counts[split:]
-    step = (most - least) / (_LEVELS - 1.0)
-    low = float(np.dot(dark, np.arange(split)) / dark.sum())
-    high = float(np.dot(light, np.arange(split, _LEVELS)) / light.sum())
-    return least + step * low, least + step * high
-
-
-def _filled(light: BoolArray) -> BoolArray:
-    """Fill holes: pixels that the outside cannot reach over edges or corners, so that contours never touch
-    themselves."""
-    outside, _ = ndimage.label(np.pad(~light, 1, constant_values=True), structure=np.ones((3, 3)))
-    return np.asarray(outside[1:-1, 1:-1] != outside[0, 0], dtype=np.bool_)
-
-
-def _largest(light: BoolArray) -> BoolArray:
-    """The component, connected over edges, with the most pixels; of equals the first in reading order."""
-    labels, count = ndimage.label(light)
-    if count == 1:
-        return light
-    sizes = np.bincount(labels.ravel())
-    sizes[0] = 0
-    return np.asarray(labels == int(sizes.argmax()), dtype=np.bool_)
+    return seen.ramp, seen.component, seen.quality
 
 
 def trace_contour(ramp: FloatArray, component: BoolArray, smoothing: float, where: str) -> FloatArray:

@@ -4,6 +4,7 @@ ours)."""
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -11,6 +12,7 @@ import shapely
 from riot.errors import SilhouetteError
 from riot.geometry import polyline
 from riot.geometry.crossings import TangleError, refuse_tangles
+from riot.geometry.quality import ReadingQuality
 from riot.geometry.shape import Shape
 from riot.parameters import ShapeParameters
 from riot.types import BoolArray, FloatArray
@@ -21,6 +23,9 @@ _REPAIRED = 0.95
 
 _THIN = 1e-9
 """A polygon with less area than this share of its bounding square is degenerate. Ours."""
+
+_ROUNDING = 1e-9
+"""Share of the area that a repair may change by rounding."""
 
 _LONGEST = 32.0
 """A longer outline, in ``L_c`` at unit area, is degenerate. Ours: its S1 is 0, and it has thousands of points."""
@@ -50,11 +55,13 @@ def outline_shape(
     vertex_tolerance: float = math.inf,
     *,
     y_down: bool,
+    quality: ReadingQuality | None = None,
 ) -> Shape:
     """Sample a closed outline, (m, 2) in either orientation, and bring it to the frame of a `Shape`.
 
     ``where`` names the outline in errors. Vertices stay up to ``vertex_tolerance``, in units of ``L_c``. ``y_down``:
-    the outline has the y axis of pictures.
+    the outline has the y axis of pictures. ``quality`` is what is known of it from before; its roughness, and what a
+    repair changed, are added.
 
     Raises
     ------
@@ -71,13 +78,16 @@ def outline_shape(
         )
     _refuse_scale(points, where)
     flip = np.array([1.0, -1.0 if y_down else 1.0])
-    outline = _simple_outline(points * flip, where)
+    outline, changed = _simple_outline(points * flip, where)
     samples, feature = _sampled(outline, where, parameters, vertex_tolerance)
+    corners = float(polyline.edge_lengths(samples[feature]).sum())
+    roughness = float(polyline.edge_lengths(outline).sum()) / corners - 1.0
+    known = replace(quality or ReadingQuality(), roughness=roughness, changed=changed)
     area = polyline.signed_area(samples)
     centre = polyline.centroid(samples)
     scale = math.sqrt(area)
     to_source = np.column_stack([np.diag(scale * flip), centre * flip])
-    return Shape((samples - centre) / scale, feature, name, to_source)
+    return Shape((samples - centre) / scale, feature, name, to_source, known)
 
 
 def _refuse_scale(points: FloatArray, where: str) -> None:
@@ -94,26 +104,31 @@ def _refuse_scale(points: FloatArray, where: str) -> None:
         )
 
 
-def _simple_outline(points: FloatArray, where: str) -> FloatArray:
-    """A simple counter-clockwise polygon that starts at its vertex farthest from its centroid."""
+def _simple_outline(points: FloatArray, where: str) -> tuple[FloatArray, float]:
+    """A simple counter-clockwise polygon that starts at its vertex farthest from its centroid, and the share of the
+    area that its repair changed."""
     differs = points != polyline.shifted(points, -1)
     distinct = points[differs[:, 0] | differs[:, 1]]
     extent = polyline.extent(points) if len(points) else 0.0
     if len(distinct) < 3:
         raise SilhouetteError("degenerate", f"{where}: an outline needs three distinct points at least")
+    changed = 0.0
     if not polyline.is_simple(distinct):
-        distinct = _repaired(distinct, where)
+        distinct, changed = _repaired(distinct, where)
     area = polyline.signed_area(distinct)
     if abs(area) <= _THIN * extent**2:
         raise SilhouetteError("degenerate", f"{where}: the outline encloses no area")
     if area < 0.0:
         distinct = distinct[::-1]
     start = polyline.farthest(distinct, polyline.centroid(distinct))
-    return polyline.shifted(distinct, start)
+    return polyline.shifted(distinct, start), changed
 
 
-def _repaired(points: FloatArray, where: str) -> FloatArray:
-    """The dominant region of a self-touching outline; holes that it pinches off are filled."""
+def _repaired(points: FloatArray, where: str) -> tuple[FloatArray, float]:
+    """The dominant region of a self-touching outline; holes that it pinches off are filled.
+
+    Also the area that is filled or dropped, as a share of the area that is inside by the even-odd rule.
+    """
     try:
         refuse_tangles([points])
     except TangleError as error:
@@ -135,7 +150,12 @@ def _repaired(points: FloatArray, where: str) -> FloatArray:
     best = max(regions, key=lambda region: float(region.area))
     if best.area < _REPAIRED * sum(region.area for region in regions) or not best.is_valid:
         raise SilhouetteError("self-crossing", f"{where}: the outline crosses itself; give the boundary of one region")
-    return np.asarray(best.exterior.coords, dtype=np.float64)[:-1]
+    enclosed = sum(float(component.area) for component in components if component.area > 0.0)
+    within = sum(float(component.intersection(best).area) for component in components if component.area > 0.0)
+    changed = (float(best.area) - within + enclosed - within) / enclosed
+    # A repair that moves rounding only changes nothing.
+    changed = changed if changed > _ROUNDING else 0.0
+    return np.asarray(best.exterior.coords, dtype=np.float64)[:-1], changed
 
 
 def _sampled(

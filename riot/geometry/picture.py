@@ -1,4 +1,4 @@
-"""Picture files → grey values, refusing early what is no picture or too big to decode."""
+"""Picture files → grey values and colours, refusing early what is no picture or too big to decode."""
 
 from __future__ import annotations
 
@@ -8,23 +8,34 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
+import numpy.typing as npt
+from PIL import ExifTags, Image, ImageChops, ImageOps, UnidentifiedImageError, features
 
 from riot.errors import SilhouetteError
 from riot.geometry.limits import PICTURE_BYTES, TooManyBytes, check_file
 from riot.geometry.machine_errors import is_of_machine
+from riot.geometry.opacity import opacity_separates, over_page
 from riot.types import FloatArray
 
-PICTURE_FORMATS = ("PNG", "GIF", "BMP", "TIFF", "JPEG")
+_OPTIONAL = tuple(name for name in ("WEBP", "AVIF") if features.check(name.lower()))
+"""Formats that Pillow reads where it was built with their libraries, as its wheels are."""
+
+PICTURE_FORMATS = ("PNG", "GIF", "BMP", "TIFF", "JPEG", *_OPTIONAL)
 """The decoders that may run: Pillow has others that would start foreign programs."""
 
-PICTURE_SUFFIXES = (".png", ".gif", ".bmp", ".tif", ".tiff", ".jpg", ".jpeg")
+PICTURE_SUFFIXES = (".png", ".gif", ".bmp", ".tif", ".tiff", ".jpg", ".jpeg", ".webp", ".avif")
 
 WORKING_SIDE = 2048
 """Pictures with a longer side are averaged down to it; boundary points are some hundred times coarser."""
 
+_NUMBERS = ("I", "F", "I;16", "I;16L", "I;16B")
+"""Modes of Pillow with grey values beyond 0 … 255."""
 
-@dataclass(frozen=True)
+_GREYS = ("1", "L")
+"""Modes of Pillow that have no colour."""
+
+
+@dataclass(frozen=True, eq=False)
 class Picture:
     """A decoded picture.
 
@@ -36,18 +47,21 @@ class Picture:
         The picture has transparent and opaque parts: the object is the opaque part, whatever its colours.
     factor : int
         Each value is the mean of ``factor × factor`` pixels of the file.
+    colours : (rows, columns, 3) uint8, optional
+        Red, green and blue; None where all pixels are grey, or opacity decides.
     """
 
     grey: FloatArray
     opaque_object: bool
     factor: int
+    colours: npt.NDArray[np.uint8] | None = None
 
 
 def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
-    """Decode the (first) picture in a PNG, GIF, BMP, TIFF or JPEG file, whatever its suffix says.
+    """Decode the (first) picture in a file of one of `PICTURE_FORMATS`, whatever its suffix says.
 
     The size is checked in the header, before any pixel is decoded; of many pictures or frames only the first is.
-    Pixels are taken as stored (orientation tags are not applied).
+    Pixels are turned as the file's orientation tag (EXIF) says, as every viewer does.
 
     Raises
     ------
@@ -71,7 +85,7 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
                 image.load()
                 if not image.width * image.height:
                     raise _damaged(where, ValueError("no pixels"))
-                return grey_picture(image)
+                return grey_picture(upright(image))
     except SilhouetteError:
         raise
     except UnidentifiedImageError as error:
@@ -90,19 +104,36 @@ def decode(path: str | os.PathLike[str], max_pixels: int) -> Picture:
         raise _damaged(where, error) from error
 
 
+def upright(image: Image.Image) -> Image.Image:
+    """A loaded picture turned as its orientation tag says; a broken tag says nothing.
+
+    >>> upright(Image.new("L", (4, 3))).size
+    (4, 3)
+    """
+    try:
+        if image.getexif().get(ExifTags.Base.Orientation, 1) == 1:
+            return image
+        turned = ImageOps.exif_transpose(image)
+    except Exception as error:  # a tag may hold anything
+        if is_of_machine(error):
+            raise
+        return image
+    return turned
+
+
 def _damaged(where: Path, error: Exception) -> SilhouetteError:
     reason = (str(error).splitlines() or [type(error).__name__])[0]
     return SilhouetteError("unreadable", f"{where}: cannot be read ({reason}); restore the file or save it again")
 
 
 def grey_picture(image: Image.Image) -> Picture:
-    """A loaded Pillow image as grey values or, where its opacity varies, as opacity.
+    """A loaded Pillow image as grey values and colours or, where its opacity tells an object from a page, as opacity.
 
     >>> grey_picture(Image.new("L", (4, 3), 7)).grey.shape
     (3, 4)
     """
     factor = max(1, -(-max(image.size) // WORKING_SIDE))
-    if image.mode in ("I", "F", "I;16", "I;16L", "I;16B"):
+    if image.mode in _NUMBERS:
         values = np.asarray(image, dtype=np.float64)
         values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
         low, high = float(values.min()), float(values.max())
@@ -111,10 +142,19 @@ def grey_picture(image: Image.Image) -> Picture:
         return Picture(values if factor == 1 else _block_mean(values, factor), False, factor)
     if "A" in image.getbands() or "transparency" in image.info:
         # Premultiplied modes have no direct way to RGBA that keeps the opacity apart.
-        opacity = image.convert("RGBA").getchannel("A")
-        if np.ptp(np.asarray(opacity)) > 0:
+        full = image.convert("RGBA")
+        opacity = full.getchannel("A")
+        if opacity_separates(full):
             return Picture(_reduced(opacity, factor), True, factor)
-    return Picture(_reduced(image.convert("RGB").convert("L"), factor), False, factor)
+        image = over_page(full)
+    if image.mode in _GREYS:
+        return Picture(_reduced(image.convert("L"), factor), False, factor)
+    coloured = image.convert("RGB")
+    grey = _reduced(coloured.convert("L"), factor)
+    red, green, blue = coloured.split()
+    if ImageChops.difference(red, green).getbbox() is None and ImageChops.difference(red, blue).getbbox() is None:
+        return Picture(grey, False, factor)
+    return Picture(grey, False, factor, np.asarray(coloured.reduce(factor) if factor > 1 else coloured))
 
 
 def _reduced(image: Image.Image, factor: int) -> FloatArray:

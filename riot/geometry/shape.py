@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from riot.content import ByContent, count
 from riot.errors import SilhouetteError
+from riot.geometry.quality import ReadingQuality
 from riot.types import BoolArray, FloatArray
 
 UNIT_AREA_TOLERANCE = 1e-6
@@ -34,6 +35,9 @@ class Shape(ByContent):
     to_source : (2, 3) float64
         Affine map from the shape's frame to the source's coordinates (pixels as x = column, y = row; or the
         polygon's own): ``source = to_source[:, :2] @ point + to_source[:, 2]``.
+    quality : ReadingQuality, optional
+        How well it was read from its source; None if it was not, or that is not known. It is no part of the content:
+        shapes that differ by it alone are equal.
 
     Raises
     ------
@@ -45,6 +49,7 @@ class Shape(ByContent):
     feature: BoolArray
     name: str = ""
     to_source: FloatArray = field(default_factory=lambda: np.eye(2, 3))
+    quality: ReadingQuality | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         """Refuse what no function of the library would understand."""

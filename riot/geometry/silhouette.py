@@ -30,11 +30,12 @@ def read(path: str | os.PathLike[str], parameters: ShapeParameters | None = None
 
 
 def read_image(path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
-    """Read the silhouette in a PNG, GIF, BMP, TIFF or JPEG file.
+    """Read the silhouette in a PNG, GIF, BMP, TIFF, JPEG, WebP or AVIF file.
 
-    Where the opacity varies the object is the opaque part; otherwise Otsu's threshold separates dark from
-    light, and the object is the side with less of the picture's border. Holes are filled, and the largest component
-    is kept. ``to_source`` maps to pixels of the file, x = column, y = row, integers at pixel centres.
+    Where the opacity tells object and page apart the object is the opaque part; otherwise Otsu's threshold separates
+    dark from light, or colours from that of the border (`riot.geometry.separation`), and the object is the side with
+    less of the picture's border. Holes are filled, and the largest component is kept; ``quality`` says how well that
+    went. ``to_source`` maps to pixels of the upright picture, x = column, y = row, integers at pixel centres.
 
     Raises
     ------
@@ -142,8 +143,8 @@ def picture_shape(picture: Picture, name: str, where: str, parameters: ShapePara
     >>> picture_shape(Picture(disc, False, 1), "disc", "the picture", ShapeParameters()).name
     'disc'
     """
-    field, component = find_object(picture, where, parameters)
+    field, component, quality = find_object(picture, where, parameters)
     contour = trace_contour(field, component, parameters.smoothing, where)
     # A value stands at the centre of its factor × factor pixels.
     contour = contour * picture.factor + (picture.factor - 1) / 2.0
-    return outline_shape(contour, name, where, parameters, y_down=True)
+    return outline_shape(contour, name, where, parameters, y_down=True, quality=quality)

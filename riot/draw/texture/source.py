@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from riot.draw.texture.tuning import CHECK_SIDE, LEAST_OVERLAP, MAX_PICTURE_PIXELS, MIXED_RIM
 from riot.errors import RiotError
-from riot.geometry.picture import decode
+from riot.geometry.picture import decode, upright
 from riot.geometry.silhouette import read
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def load_picture(path: str | os.PathLike[str], shape: Shape, mask: str | os.Path
     where = Path(path)
     transparent = decode(where, MAX_PICTURE_PIXELS).opaque_object
     with Image.open(where) as image:
-        rgba = np.asarray(image.convert("RGBA"))
+        rgba = np.asarray(upright(image).convert("RGBA"))
     if transparent:
         kept = rgba[..., 3] >= 128
         _refuse_other(where, kept, shape)
@@ -75,7 +75,7 @@ def _masked(where: Path, size: tuple[int, int], mask: Path, shape: Shape) -> Boo
     """(rows, columns) the object of a mask, which must be the shape's and of this width and height; less its rim."""
     decode(mask, MAX_PICTURE_PIXELS)
     with Image.open(mask) as image:
-        mask_size = image.size
+        mask_size = upright(image).size
     if mask_size != size:
         raise TextureError(
             "other-size",
