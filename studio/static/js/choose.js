@@ -10,7 +10,7 @@ const RANGES = /** @type {const} */ ([[null, null], [3, 3], [4, 4], [5, 5], [6, 
 
 let request = 0;
 let asked = '';
-/** @type {Map<string, {button: HTMLButtonElement, rank: number}>} */
+/** @type {Map<string, {button: HTMLButtonElement, worth: number}>} */
 const cards = new Map();
 
 export function beginChoose() {
@@ -56,12 +56,12 @@ function update() {
 }
 
 /** @param {import('./types.js').Alternative & {seq: number}} alternative */
-function add({seq, rank, transform, pieces, words, scene}) {
+function add({seq, worth, transform, pieces, words, scene}) {
   if (seq !== request || cards.has(transform)) return;
   const button = html('button', {'aria-pressed': 'false'}, thumbnail(scene), html('b', {}, `${pieces} pieces`), html('small', {}, words));
   button.addEventListener('click', () => ask({type: 'edit', phase: 'release', edit: {kind: 'choose', transform}}));
-  cards.set(transform, {button, rank});
-  const list = find('#alternatives'), after = [...cards.values()].filter(card => card.rank > rank).sort((a, b) => a.rank - b.rank)[0];
+  cards.set(transform, {button, worth});
+  const list = find('#alternatives'), after = [...cards.values()].filter(card => card.worth < worth).sort((a, b) => b.worth - a.worth)[0];
   list.insertBefore(html('li', {}, button), after?.button.parentElement ?? null);
   press();
 }

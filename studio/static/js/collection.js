@@ -14,9 +14,23 @@ let entries = [];
 /** @type {string[]} */
 let classes = [];
 const asked = new Set();
+/** @type {{number: number, picture: SVGPathElement}[]} pictures that wait for their outline */
+let pending = [];
 
 /** @param {number} number */
 export const nameOf = number => entries[number]?.name ?? `shape ${number}`;
+
+/**
+ * The silhouette of a shape, which comes when it is there.
+ * @param {number} number
+ */
+export function pictureOf(number) {
+  void outlines(number);
+  const picture = svg('path');
+  pending.push({number, picture});
+  fill();
+  return svg('svg', {viewBox: BOX, 'aria-hidden': 'true', class: 'lone'}, picture);
+}
 
 /** @param {{take: (number: number) => void}} options */
 export function beginCollection({take}) {
@@ -79,6 +93,16 @@ async function outlines(number) {
   const answer = await json(`/api/collection/outlines?first=${first}&count=${CHUNK}`);
   if (!answer) asked.delete(first);
   answer?.paths.forEach((/** @type {string} */ path, /** @type {number} */ k) => entries[answer.first + k]?.picture.setAttribute('d', path));
+  fill();
+}
+
+/** Give outlines to the pictures that wait for them. */
+function fill() {
+  pending = pending.filter(({number, picture}) => {
+    const path = entries[number]?.picture.getAttribute('d');
+    if (path) picture.setAttribute('d', path);
+    return !path;
+  });
 }
 
 /** Mark the shapes that are taken. */

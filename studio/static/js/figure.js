@@ -111,8 +111,7 @@ export class Figure {
     this.under.replaceChildren(svg('path', {class: 'silhouette', d: pathOf(shape.input, true)}));
     if (this.plain) return;
     this.over.replaceChildren(
-      svg('path', {class: 'ghost', d: pathOf(shape.input, true)}),
-      ...(shape.bent ? [svg('path', {class: 'bent', d: pathOf(shape.bent, true)})] : []),
+      svg('path', shape.bent ? {class: 'bent', d: pathOf(shape.bent, true)} : {class: 'ghost', d: pathOf(shape.input, true)}),
       svg('path', {class: 'trunk', d: pathOf(shape.trunk, true)}),
     );
   }

@@ -69,9 +69,8 @@ function history() {
 function messages() {
   hear('session', session => change({session}));
   hear('transform', ({scene, draft}) => {
-    const first = !state.scene;
-    change({scene, draft, problem: null, busy: ''});
-    if (!draft) say(`${first ? 'The first transform: ' : ''}${scene.words}`);
+    change({scene, draft, problem: null, ...(draft ? {} : {busy: ''})});
+    if (!draft) say(scene.words);
   });
   hear('motion', ({transform, motion}) => {
     const scene = state.scene;

@@ -3,7 +3,7 @@
 import {ask, base, hear} from './link.js';
 import {change, state, watch} from './store.js';
 import {find, html, say} from './dom.js';
-import {fillSettings} from './settings.js';
+import {fillSettings, titled} from './settings.js';
 import {placed, poseAt} from './pose.js';
 import {Viewer} from './viewer.js';
 
@@ -31,8 +31,22 @@ export function beginMake() {
     change({busy: '', problem: null});
     void show(message);
   });
+  hear('made_not', ({seq, words, parameter, value}) => {
+    if (seq !== request) return;
+    complain(words);
+    find('#findings').replaceChildren(finding({severity: 'failure', piece: null, hinge: null, words, parameter, value}));
+  });
   watch(['scene'], files);
   files();
+}
+
+/**
+ * Say why there are no parts.
+ * @param {string} words
+ */
+function complain(words) {
+  change({busy: '', problem: {seq: 0, draft: false, side: null, where: [], pin: null, words}});
+  say(words);
 }
 
 /** @param {Made} message */
@@ -50,7 +64,7 @@ async function show(message) {
 }
 
 /** @param {import('./types.js').Finding} one */
-function finding({severity, piece, hinge, words}) {
+function finding({severity, piece, hinge, words, parameter, value}) {
   const place = piece !== null ? `piece ${piece + 1}` : hinge !== null ? `hinge ${hinge + 1}` : '';
   const item = html('li', {class: severity}, html('span', {class: 'severity'}, severity), html('span', {class: 'grow'}, words));
   if (piece !== null) {
@@ -58,7 +72,25 @@ function finding({severity, piece, hinge, words}) {
     button.addEventListener('click', () => choose(piece));
     item.append(button);
   } else if (place) item.append(html('span', {class: 'note'}, place));
+  if (parameter && value !== null) item.append(remedy(parameter, value));
   return item;
+}
+
+/**
+ * A button that sets what would do.
+ * @param {string} parameter
+ * @param {number} value
+ */
+function remedy(parameter, value) {
+  const words = `Set ${titled(parameter)} to ${Number(value.toPrecision(4))}`, button = html('button', {}, words);
+  button.addEventListener('click', () => {
+    const field = document.querySelector(`#settings [name="${CSS.escape(parameter)}"]`);
+    if (!(field instanceof HTMLInputElement)) return;
+    field.value = String(value);
+    field.closest('details')?.setAttribute('open', '');
+    field.focus();
+  });
+  return button;
 }
 
 /** @param {number} piece */

@@ -3,7 +3,7 @@
 import {ask, hear} from './link.js';
 import {state, watch} from './store.js';
 import {find, html} from './dom.js';
-import {nameOf} from './collection.js';
+import {nameOf, pictureOf} from './collection.js';
 import {thumbnail} from './thumbnail.js';
 
 /** @typedef {import('./types.js').Side} Side */
@@ -36,7 +36,7 @@ export function beginPartners({take, active}) {
     if (seq !== request) return;
     for (const {shape, qcrs} of partners) {
       const name = nameOf(shape);
-      const button = html('button', {}, html('b', {}, name), html('small', {}, `score ${qcrs.toFixed(2)}`));
+      const button = html('button', {}, pictureOf(shape), html('b', {}, name), html('small', {}, `score ${qcrs.toFixed(2)}`));
       button.addEventListener('click', () => take(shape, active()));
       cards.set(shape, button);
       list.append(html('li', {}, button));
@@ -46,7 +46,7 @@ export function beginPartners({take, active}) {
   hear('partner', ({seq, shape, scene}) => {
     const card = seq === request ? cards.get(shape) : null;
     if (!card) return;
-    card.prepend(thumbnail(scene));
+    card.querySelector('.lone')?.replaceWith(thumbnail(scene));
     find('small', card).textContent = scene.words;
   });
 }

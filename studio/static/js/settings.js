@@ -5,12 +5,15 @@ import {html} from './dom.js';
 
 /** @typedef {import('./types.js').Setting} Setting */
 
-const FIRST = 8;
+const FIRST = ['size_mm', 'thickness_mm', 'hinge', 'pin_mm', 'clearance_mm', 'gap_mm'];
+
+/** @typedef {HTMLInputElement | HTMLSelectElement} Field */
+/** @typedef {Record<string, number | boolean | string>} Values */
 
 /**
- * Fill the form; `build` gets the settings that differ from the defaults.
+ * Fill the form; `build` gets the values of all settings.
  * @param {HTMLFormElement} form
- * @param {(settings: Record<string, number>, fix: boolean) => void} build
+ * @param {(settings: Values, fix: boolean) => void} build
  */
 export async function fillSettings(form, build) {
   const answer = await json('/api/settings');
@@ -19,50 +22,65 @@ export async function fillSettings(form, build) {
   const settings = answer.settings;
   const presets = html('select', {name: 'preset'}, html('option', {value: ''}, 'as set below'),
     ...answer.presets.map((/** @type {{name: string}} */ {name}, /** @type {number} */ k) => html('option', {value: String(k)}, name)));
-  /** @type {Map<string, HTMLInputElement>} */
-  const fields = new Map();
-  const rows = settings.map(setting => row(setting, fields));
-  const more = html('details', {}, html('summary', {}, 'Clearances and more'), ...rows.slice(FIRST));
+  /** @type {Map<string, Field>} */
+  const fields = new Map(settings.map(setting => [setting.name, fieldOf(setting)]));
+  const row = (/** @type {Setting} */ setting) => rowOf(setting, /** @type {Field} */ (fields.get(setting.name)));
+  const others = settings.filter(({name}) => !FIRST.includes(name));
   const fix = html('input', {type: 'checkbox', name: 'fix', checked: true});
-  form.append(html('label', {}, 'Preset', presets), ...rows.slice(0, FIRST), ...(rows.length > FIRST ? [more] : []),
+  form.append(html('label', {}, 'Preset', presets), ...settings.filter(({name}) => FIRST.includes(name)).map(row),
+    html('details', {}, html('summary', {}, 'Clearances and more'), ...others.map(row)),
     html('label', {class: 'tick'}, fix, 'mend what does not hold'), html('button', {class: 'primary'}, 'Build the parts'));
   presets.addEventListener('change', () => {
     if (!presets.value) return;
-    for (const {name, value} of settings) set(fields, name, value);
-    for (const [name, value] of Object.entries(answer.presets[Number(presets.value)].values)) set(fields, name, Number(value));
+    for (const {name, value} of settings) put(fields.get(name), value);
+    for (const [name, value] of Object.entries(answer.presets[Number(presets.value)].values)) put(fields.get(name), value);
   });
   form.addEventListener('input', event => { if (event.target !== presets) presets.value = ''; });
   form.addEventListener('submit', event => {
     event.preventDefault();
-    build(Object.fromEntries(settings.map(({name}) => [name, fields.get(name)?.valueAsNumber ?? NaN])), fix.checked);
+    build(Object.fromEntries([...fields].map(([name, field]) => [name, valueOf(field)])), fix.checked);
   });
+  // A field that is hidden in the details cannot say that it is wrong: show it.
+  form.addEventListener('invalid', event => {
+    const details = event.target instanceof Element ? event.target.closest('details') : null;
+    if (details) details.open = true;
+  }, true);
 }
 
 /**
- * @param {Map<string, HTMLInputElement>} fields
- * @param {string} name
- * @param {number} value
+ * @param {Field | undefined} field
+ * @param {unknown} value
  */
-function set(fields, name, value) {
-  const field = fields.get(name);
-  if (field) field.value = String(value);
+function put(field, value) {
+  if (field instanceof HTMLInputElement && field.type === 'checkbox') field.checked = Boolean(value);
+  else if (field) field.value = String(value);
+}
+
+/** @param {Field} field */
+function valueOf(field) {
+  if (field instanceof HTMLSelectElement) return field.value;
+  return field.type === 'checkbox' ? field.checked : field.valueAsNumber;
+}
+
+/** @param {Setting} setting @returns {Field} */
+function fieldOf({name, value, least, greatest, choices, meaning}) {
+  if (choices.length) return html('select', {name, title: meaning}, ...choices.map(choice => html('option', {selected: choice === value}, choice)));
+  if (typeof value === 'boolean') return html('input', {type: 'checkbox', name, checked: value, title: meaning});
+  return html('input', {type: 'number', name, value: String(value), min: least, max: greatest, step: 'any', required: true, title: meaning});
 }
 
 /**
  * @param {Setting} setting
- * @param {Map<string, HTMLInputElement>} fields
+ * @param {Field} field
  */
-function row({name, value, least, greatest, unit, meaning}, fields) {
-  const field = html('input', {type: 'number', name, value, min: least, max: greatest, step: 'any', required: true, title: meaning});
-  fields.set(name, field);
-  return html('label', {}, titled(name), html('span', {class: 'row'}, field, html('i', {}, unit)));
+function rowOf({name, unit}, field) {
+  return html('label', {class: 'setting'}, titled(name), html('span', {class: 'row'}, field, html('i', {}, unit)));
 }
 
 /**
  * A parameter's name as words.
  * @param {string} name
  */
-function titled(name) {
-  const words = name.replace(/_mm$|_deg$/, '').replaceAll('_', ' ');
-  return words[0].toUpperCase() + words.slice(1);
+export function titled(name) {
+  return name.replace(/_mm$|_deg$/, '').replaceAll('_', ' ');
 }

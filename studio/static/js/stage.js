@@ -30,6 +30,7 @@ export function beginStage() {
       greeted = true;
       swing.greet();
     }
+    if (state.step !== 'look') swing.play(false);
   });
   watch(['scene', 'draft'], show);
 }
@@ -45,7 +46,7 @@ function show() {
     find(`[data-view=${side}] figcaption`).replaceChildren(html('b', {}, shape.name), html('span', {}, shape.fidelity.words));
     find(`[data-view=${side}] svg`).setAttribute('aria-label', `${shape.name}, made of ${scene.pieces.length} pieces: ${shape.fidelity.words}`);
   }
-  find('#certificate').textContent = draft ? 'A draft: exact when you let go.'
+  find('#certificate').textContent = draft ? 'A draft; the exact one follows.'
     : [`${scene.pieces.length} pieces`, scene.motion.words, scene.certificate.passed ? 'certified exact' : scene.certificate.words]
       .filter(Boolean).join(', ');
   for (const [name] of TOGGLES) {

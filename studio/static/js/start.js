@@ -28,8 +28,8 @@ export function active() {
 export function beginStart() {
   for (const side of SIDES) slots[side] = slot(side);
   watch(['session', 'connected'], show);
-  hear('transform', ({draft}) => {
-    if (!waiting || draft) return;
+  hear('transform', () => {
+    if (!waiting || !state.session?.p || !state.session.q) return;
     waiting = false;
     if (state.step === 'start') location.hash = 'look';
   });

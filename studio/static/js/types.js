@@ -78,6 +78,7 @@
  * @property {number} rank
  * @property {string} transform
  * @property {number} pieces
+ * @property {number} worth the greater the better
  * @property {string} words
  * @property {Scene} scene
  *
@@ -110,9 +111,10 @@
  *
  * @typedef {object} Setting
  * @property {string} name
- * @property {number} value
- * @property {number} least
- * @property {number} greatest
+ * @property {number | boolean | string} value
+ * @property {number | null} least
+ * @property {number | null} greatest
+ * @property {string[]} choices of a word
  * @property {string} unit
  * @property {string} meaning
  *
