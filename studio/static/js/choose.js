@@ -20,6 +20,9 @@ export function beginChoose() {
     dials();
   });
   hear('alternative', add);
+  hear('progress', ({seq, words, done, of}) => {
+    if (seq === request) find('#choose-note').textContent = of ? `${words} (${done} of ${of})` : `${words}…`;
+  });
   hear('alternatives_end', ({seq, count, words}) => {
     if (seq === request) find('#choose-note').textContent = words || (count ? `${count} ways, best first.` : 'There is no other way.');
   });

@@ -8,7 +8,7 @@ import {change} from './store.js';
 const listeners = new Map();
 /** @type {WebSocket | null} */
 let socket = null;
-let seq = 0;
+let seq = 1000 * Math.floor(1e6 * Math.random()); // tabs of one session do not take answers for one another's
 let session = '';
 let wait = 250;
 const LONGEST_WAIT = 4000;

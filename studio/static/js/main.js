@@ -49,7 +49,7 @@ function marks() {
 
 function status() {
   const line = find('#status');
-  const words = !state.connected ? 'The studio does not answer. Your work is saved; it goes on as soon as the studio runs again.'
+  const words = !state.connected ? 'The studio does not answer. Your work is saved: start “riot studio” again, and open the address that it prints.'
     : state.problem ? state.problem.words : state.busy;
   line.hidden = !words;
   line.textContent = words;
@@ -84,7 +84,9 @@ function messages() {
     change({problem: {seq: 0, draft: false, side: null, where: [], pin: null, words}, busy: ''});
     say(words);
   });
-  hear('progress', ({words, done, of}) => change({busy: of ? `${words} (${done} of ${of})` : `${words}…`}));
+  hear('progress', ({work, words, done, of}) => {
+    if (work === 'transform' || work === 'make') change({busy: of ? `${words} (${done} of ${of})` : `${words}…`});
+  });
 }
 
 /**

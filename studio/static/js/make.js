@@ -34,7 +34,7 @@ export function beginMake() {
   hear('made_not', ({seq, words, parameter, value}) => {
     if (seq !== request) return;
     complain(words);
-    find('#findings').replaceChildren(finding({severity: 'failure', piece: null, hinge: null, words, parameter, value}));
+    find('#findings').replaceChildren(finding({severity: 'failure', piece: null, words, parameter, value}));
   });
   watch(['scene'], files);
   files();
@@ -63,15 +63,14 @@ async function show(message) {
   await solids(message);
 }
 
-/** @param {import('./types.js').Finding} one */
-function finding({severity, piece, hinge, words, parameter, value}) {
-  const place = piece !== null ? `piece ${piece + 1}` : hinge !== null ? `hinge ${hinge + 1}` : '';
+/** @param {Pick<import('./types.js').Finding, 'severity' | 'piece' | 'words' | 'parameter' | 'value'>} one */
+function finding({severity, piece, words, parameter, value}) {
   const item = html('li', {class: severity}, html('span', {class: 'severity'}, severity), html('span', {class: 'grow'}, words));
   if (piece !== null) {
-    const button = html('button', {'aria-label': `Show ${place}: ${words}`}, place);
+    const button = html('button', {'aria-label': `Show piece ${piece + 1}: ${words}`}, `piece ${piece + 1}`);
     button.addEventListener('click', () => choose(piece));
     item.append(button);
-  } else if (place) item.append(html('span', {class: 'note'}, place));
+  }
   if (parameter && value !== null) item.append(remedy(parameter, value));
   return item;
 }
@@ -125,10 +124,7 @@ async function solids({parts, scale, thickness, findings}) {
     }
   }
   labels(scene, findings);
-  const reach = Math.hypot(...scene.p.input.map(value => value * scale).reduce((most, value, k) => {
-    most[k % 2] = Math.max(most[k % 2], Math.abs(value));
-    return most;
-  }, [0, 0]));
+  const reach = Math.max(...scene.p.input.map(value => Math.abs(value * scale)));
   viewer.fit(reach + thickness + ROW_GAP);
 }
 

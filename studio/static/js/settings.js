@@ -74,7 +74,8 @@ function fieldOf({name, value, least, greatest, choices, meaning}) {
  * @param {Field} field
  */
 function rowOf({name, unit}, field) {
-  return html('label', {class: 'setting'}, titled(name), html('span', {class: 'row'}, field, html('i', {}, unit)));
+  const words = titled(name);
+  return html('label', {}, words[0].toUpperCase() + words.slice(1), html('span', {class: 'row'}, field, html('i', {}, unit)));
 }
 
 /**
