@@ -26,9 +26,8 @@ def nearest_triangles(corners: FloatArray, rows: int, columns: int) -> IntArray:
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     front = np.flatnonzero(doubled > 0.0)
-    pixels = np.maximum(
-        1, np.ceil(np.ptp(corners[front, :, 0], axis=1)) * np.ceil(np.ptp(corners[front, :, 1], axis=1))
-    )
+    # Of each triangle about its area, and half a pixel of every row at either end.
+    pixels = 1.0 + 0.5 * doubled[front] + np.ceil(np.ptp(corners[front, :, 1], axis=1))
     batch = (np.cumsum(pixels) // BATCH_PIXELS).astype(np.int64)
     for number in np.unique(batch).tolist():
         chosen = front[batch == number]
@@ -61,13 +60,14 @@ def _fragments(corners: FloatArray, doubled: FloatArray, columns: int) -> tuple[
     begin = np.ceil(left - 0.5).astype(np.int64)
     width = np.maximum(0, np.floor(right - 0.5).astype(np.int64) - begin + 1)
     span, along = _expanded(width)
-    triangle, x, y = owner[span], begin[span] + along + 0.5, y[span]
-    origin = corners[triangle, 0]
-    a, b = corners[triangle, 1] - origin, corners[triangle, 2] - origin
-    x, y = x - origin[:, 0], y - origin[:, 1]
-    s, t = (x * b[:, 1] - y * b[:, 0]) / doubled[triangle], (a[:, 0] * y - a[:, 1] * x) / doubled[triangle]
-    near = origin[:, 2] + s * a[:, 2] + t * b[:, 2]
-    return row[span] * columns + begin[span] + along, near, triangle
+    # How near is a plane over the pixels: its value where a row begins, and its slope along the row.
+    x, y = begin + 0.5 - corners[owner, 0, 0], y - corners[owner, 0, 1]
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    along_rows = (a[:, 2] * b[:, 1] - b[:, 2] * a[:, 1]) / doubled
+    upwards = (b[:, 2] * a[:, 0] - a[:, 2] * b[:, 0]) / doubled
+    at_begin = corners[owner, 0, 2] + x * along_rows[owner] + y * upwards[owner]
+    near = at_begin[span] + along * along_rows[owner][span]
+    return (row * columns + begin)[span] + along, near, owner[span]
 
 
 def _expanded(counts: IntArray) -> tuple[IntArray, IntArray]:

@@ -23,7 +23,7 @@ from riot.draw.tuning import PNG_WIDTH
 _FAMILY = "DejaVu Sans"
 
 
-def _font_files() -> list[str]:
+def font_files() -> list[str]:
     """The regular and the bold letters, from matplotlib's folder; importing matplotlib takes longer than a picture."""
     package = importlib.util.find_spec("matplotlib")
     assert package is not None and package.origin is not None
@@ -31,7 +31,7 @@ def _font_files() -> list[str]:
     return [str(folder / name) for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf")]
 
 
-_FONT_FILES = _font_files()
+_FONT_FILES = font_files()
 
 
 def png_bytes(scene: Scene, width: int = PNG_WIDTH) -> bytes:

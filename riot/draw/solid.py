@@ -80,11 +80,18 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A picture, (rows, columns, 3), white where nothing is, and its size in mm as seen."""
+    """A picture, (rows, columns, 3), white where nothing is, its size in mm as seen, and its lower left corner."""
 
     pixels: ByteArray
     width: float
     height: float
+    corner: tuple[float, float] = (0.0, 0.0)
+
+    def pixel(self, points: FloatArray, eye: Eye) -> FloatArray:
+        """(k, 2) columns and rows, from the upper left corner, of points (k, 3) in mm."""
+        rows = self.pixels.shape[0]
+        at: FloatArray = (eye.view(points)[:, :2] - self.corner) * [rows / self.height, -rows / self.height] + [0, rows]
+        return at
 
 
 def prisms(layers: Iterable[tuple[float, float, tuple[FloatArray, ...]]]) -> tuple[FloatArray, IntArray]:
@@ -151,7 +158,8 @@ def render(bodies: Sequence[Body], mm_per_pixel: float, eye: Eye) -> View:
             surface.reshape(-1)[seen[covered]] = number + len(bodies)
     edges = _edges(surface, np.append(normals, [[0.0] * 3], axis=0), triangle)
     image[edges] = (EDGE_SHADE * image[edges]).astype(np.uint8)
-    return View(np.asarray(Image.fromarray(image[::-1]).reduce(SUPERSAMPLING)), columns * step, rows * step)
+    pixels = np.asarray(Image.fromarray(image[::-1]).reduce(SUPERSAMPLING))
+    return View(pixels, columns * step, rows * step, (float(shift[0]), float(shift[1])))
 
 
 def png_of_view(view: View, margin: int = 0) -> bytes:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+import shapely.ops
 
 from riot.draw.keyframes import painting_order
 from riot.draw.palette import hue
@@ -18,10 +19,10 @@ from riot.draw.scene import Mark, Region, Scene
 from riot.fabricate.export.flat import FlatFormatError
 from riot.fabricate.export.instructions import end_in_words, pins_in_words, shape_names, sizes, steps, warnings
 from riot.fabricate.export.paper import Frame, disc, number_marks, region_mark, sheet, text
-from riot.transform.pose import Pose, direction
+from riot.transform.pose import Pose
 
 if TYPE_CHECKING:
-    from riot.fabricate.model import Design
+    from riot.fabricate.model import Design, PieceDesign
     from riot.types import FloatArray
 
 WIDTH, HEIGHT = 210.0, 297.0
@@ -234,16 +235,25 @@ def _drawn(
     return marks
 
 
+def _on_piece(piece: PieceDesign, x: float, frame: Frame, is_open: bool) -> FloatArray:
+    """A hinge at x of a piece's edge on paper; an open one, whose narrow corner is cut away, where the piece is."""
+    point = shapely.Point(x, 0.0)
+    if is_open:
+        point = shapely.ops.nearest_points(shapely.Polygon(piece.outline), point)[0]
+    on_paper: FloatArray = frame.paper(shapely.get_coordinates(point))[0]
+    return on_paper
+
+
 def _hinges(design: Design, frames: Sequence[Frame], scale: float, shift: FloatArray) -> list[Mark]:
     n, first = len(design.pieces), design.motion.open_hinge
     radius = max(0.6, 0.5 * scale * design.parameters.pin_mm)
     marks: list[Mark] = []
     for i, (piece, frame) in enumerate(zip(design.pieces, frames, strict=True)):
-        start = scale * np.array([frame.x, frame.y]) + shift
+        start = scale * _on_piece(piece, 0.0, frame, i == first) + shift
         marks.append(disc(float(start[0]), float(start[1]), "open" if i == first else "hinge", radius))
         if piece.start.kind == "telescopic":
             marks.append(disc(float(start[0]), float(start[1]), "open", 0.5 * radius))
         if (i + 1) % n == first:
-            end = start + scale * piece.length * direction(frame.angle)
+            end = scale * _on_piece(piece, piece.length, frame, True) + shift
             marks.append(disc(float(end[0]), float(end[1]), "open", radius))
     return marks

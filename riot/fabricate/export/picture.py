@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+from PIL import Image, ImageDraw, ImageFont
 
 from riot.draw.files import PictureFormatError
 from riot.draw.palette import LIGHT, PIECES, hue
+from riot.draw.raster import font_files
 from riot.draw.solid import Body, Eye, View, png_of_view, prisms, render, ribbon
 from riot.fabricate.export.paper import MM_PER_INCH, Frame, rings
 from riot.fabricate.export.sheets import face, face_colours
@@ -33,6 +36,9 @@ APART_SHARE = 0.3
 PIN_LIFT = 1.6
 """Taken apart, a pin stands this many thicknesses over the pieces."""
 
+NUMBER_MM = 7.0
+"""Diameter of the disc under a piece's number."""
+
 PICTURE_DOTS_PER_INCH = 220.0
 PICTURE_MARGIN_MM = 6.0
 
@@ -51,7 +57,7 @@ def draw_puzzle(
 ) -> None:
     """Draw the assembled puzzle, or the same taken apart with its pins over the hinges, as a PNG file.
 
-    As P it is seen from the front, with P's texture if there is one. As Q it is seen from the back if there is a
+    Pieces have their numbers, unless a texture is on the assembled ones. As P it is seen from the front, with P's texture if there is one. As Q it is seen from the back if there is a
     texture of Q, which is mirrored there as the outline is; from the front else, in plain colours. The same input gives
     the same bytes. Raises `riot.draw.files.PictureFormatError` for a suffix other than .png.
     """
@@ -70,9 +76,24 @@ def puzzle_view(
     back = side == "q" and texture is not None
     frames = _frames(design, side, back, APART_SHARE if apart else 0.0)
     bodies = [_piece(design, i, frame, back, side, texture) for i, frame in enumerate(frames)]
-    if apart:
-        bodies += _pins(design, frames)
-    return render(bodies, _PIXEL_MM, EYE)
+    bodies += _pins(design, frames) if apart else _pushed_in(design, frames)
+    view = render(bodies, _PIXEL_MM, EYE)
+    return view if texture is not None and not apart else _numbered(design, view, frames, side, back)
+
+
+def _numbered(design: Design, view: View, frames: list[Frame], side: Side, back: bool) -> View:
+    """The picture with the number of every piece in the middle of its upper face."""
+    middles = []
+    for i, frame in enumerate(frames):
+        middle = shapely.maximum_inscribed_circle(face(design, i, "q" if back else "p")).coords[0]
+        middles.append([*frame.paper(np.array([middle]))[0].tolist(), design.parameters.height])
+    picture = Image.fromarray(view.pixels)
+    draw, radius = ImageDraw.Draw(picture), 0.5 * NUMBER_MM / _PIXEL_MM
+    font = ImageFont.truetype(font_files()[1], 1.1 * radius)
+    for number, (x, y) in enumerate(view.pixel(np.array(middles), EYE).tolist(), start=1):
+        draw.ellipse((x - radius, y - radius, x + radius, y + radius), LIGHT["paper"], LIGHT["ink"], 2)
+        draw.text((x, y), str(number), LIGHT["ink"], font, anchor="mm")
+    return replace(view, pixels=np.asarray(picture))
 
 
 def _frames(design: Design, side: Side, back: bool, apart: float) -> list[Frame]:
@@ -108,6 +129,17 @@ def _piece(design: Design, index: int, frame: Frame, back: bool, side: Side, tex
             return covered, colours(points[covered])
 
     return Body(*prisms(layers), PIECES[hue(index, len(design.pieces))], top)
+
+
+def _pushed_in(design: Design, frames: list[Frame]) -> list[Body]:
+    """The pins in their hinges."""
+    bodies = []
+    for piece, frame in zip(design.pieces, frames, strict=True):
+        if piece.start.kind == "pin":
+            (axis,) = frame.paper(np.array([[piece.start.x, piece.start.y]]))
+            base = rings(shapely.Point(axis).buffer(0.5 * design.parameters.pin_mm))
+            bodies.append(Body(*prisms([(0.0, design.parameters.height, base)]), _METAL))
+    return bodies
 
 
 def _pins(design: Design, frames: list[Frame]) -> list[Body]:
