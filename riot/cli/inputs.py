@@ -41,6 +41,19 @@ def add_bend(parser: Parser) -> None:
     )
 
 
+def add_mirror(parser: Parser) -> None:
+    """Add the option ``--mirror-q`` to a command."""
+    parser.add_argument(
+        "--mirror-q",
+        nargs="?",
+        choices=("yes", "no", "best"),
+        const="yes",
+        default="no",
+        help="cut B's mirror image, so that B is read on the back, when the puzzle is turned over; best: front or "
+        "back, whichever is more like B (default: no, B is read on the front)",
+    )
+
+
 def add_force(parser: Parser) -> None:
     """Add the option ``--force`` to a command that writes files: ``replace_files`` of the library."""
     parser.parameter_option(

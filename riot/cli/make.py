@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from riot.cli.inputs import add_bend, add_force, add_inputs, add_pieces, read_inputs
+from riot.cli.inputs import add_bend, add_force, add_inputs, add_mirror, add_pieces, read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import DONE, EXIT_CODES, Parser, UsageError
 from riot.cli.show import transform_facts, transform_lines
@@ -26,6 +26,7 @@ from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.texture.names import SIDES, Side
 from riot.errors import TrunkError
 from riot.fabricate.export.folder import check_files, check_folder, new_folder
+from riot.geometry.shape import Shape
 from riot.kernels.warm import compile_used
 from riot.motion.planner import with_motion
 from riot.parameters import (
@@ -66,6 +67,7 @@ class Wishes:
     bend: BendParameters | None = None
     stiff: Path | None = None
     replace_files: bool = False
+    mirror_q: Literal["yes", "no", "best"] = "no"
 
 
 def add_options(parser: Parser) -> None:
@@ -74,6 +76,7 @@ def add_options(parser: Parser) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="where results go")
     parser.add_argument("--rank", type=int, metavar="K", help="use the trunk pair of this rank of `riot trunks`")
     add_force(parser)
+    add_mirror(parser)
     add_pieces(parser)
     add_bend(parser)
     parser.add_argument(
@@ -119,6 +122,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         bend=chosen.bend,
         stiff=chosen.stiff,
         replace_files=chosen.replace_files,
+        mirror_q=chosen.mirror_q,
     )
     transform = make(chosen.a, chosen.b, chosen.output, wishes, output)
     if min(overlap_ratios(transform)) >= chosen.min_iou:
@@ -156,22 +160,14 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
     a, b = read_inputs(path_a, path_b)
     check_folder(folder, replace_files=True)
     check_files([folder / f"{name}{suffix}" for suffix in (*SUFFIXES, *films)], replace_files=wishes.replace_files)
-    pins = None if wishes.pins is None else load_pins(wishes.pins, a, b)
-    stiff = None if wishes.stiff is None else load_stiff(wishes.stiff, a, b)
     compile_used(output.note, __name__)
-    scores = {"qcrs": qcrs(a, b).score, "crs": crs(a, b).score}
-    output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
     parameters = ConstructParameters(method=wishes.method)
-    if wishes.rank is None:
-        transform = construct(
-            a, b, parameters=parameters, pins=pins, pieces=wishes.pieces, bend=wishes.bend, stiff=stiff
-        )
-    else:
-        plan = _ranked(alternatives(a, b, pieces=wishes.pieces), wishes.rank)
-        if wishes.bend is None:
-            transform = construct_plan(plan, parameters, pins)
-        else:
-            transform = construct_from([plan], [], parameters, pins=pins, bend=wishes.bend, stiff=stiff)
+    sides = {"no": (False,), "yes": (True,), "best": (False, True)}[wishes.mirror_q]
+    transforms = [_constructed(a, b.mirrored() if back else b, back, parameters, wishes) for back in sides]
+    transform = max(transforms, key=lambda made: (certify(made).passed, min(overlap_ratios(made))))
+    inputs = transform.input_p, transform.input_q
+    scores = {"qcrs": qcrs(*inputs).score, "crs": crs(*inputs).score}
+    output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
     if certify(transform).passed:
         transform = with_motion(transform)
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
@@ -186,6 +182,23 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
     output.show(*map(str, files))
     output.document({**scores, **facts, "files": files})
     return transform
+
+
+def _constructed(a: Shape, b: Shape, back: bool, parameters: ConstructParameters, wishes: Wishes) -> Transform:
+    """The transform that is wished for; ``back``: b is mirrored, to be read on the back."""
+    pins = None if wishes.pins is None else load_pins(wishes.pins, a, b)
+    stiff = None if wishes.stiff is None else load_stiff(wishes.stiff, a, b)
+    if wishes.rank is None:
+        transform = construct(
+            a, b, parameters=parameters, pins=pins, pieces=wishes.pieces, bend=wishes.bend, stiff=stiff
+        )
+    else:
+        plan = _ranked(alternatives(a, b, pieces=wishes.pieces), wishes.rank)
+        if wishes.bend is None:
+            transform = construct_plan(plan, parameters, pins)
+        else:
+            transform = construct_from([plan], [], parameters, pins=pins, bend=wishes.bend, stiff=stiff)
+    return replace(transform, mirrored_q=back)
 
 
 def _ratio(text: str) -> float:

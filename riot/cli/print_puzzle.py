@@ -62,6 +62,9 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     transform = load(chosen.file)
     check_folder(chosen.output, replace_files=chosen.replace_files)
     check_bed(transform, parameters)
+    if "q" in pictures and not transform.mirrored_q:
+        name = transform.q.name or "Q"
+        output.note(f"the back shows {name} mirrored: `riot make --mirror-q` cuts it to be read there")
     textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern)
     paper = chosen.paper or chosen.dxf or bool(textures)
 

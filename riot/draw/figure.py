@@ -7,9 +7,9 @@ from pathlib import Path
 
 from riot.draw.files import write_scene
 from riot.draw.keyframes import motion_marks
-from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, sketch
+from riot.draw.panels import chain_marks, deformation_marks, dissection_marks, input_marks, shown_from_back, sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
-from riot.draw.scene import Box, Label, Mark, Scene, extent, moved
+from riot.draw.scene import Box, Label, Mark, Scene, extent, mirrored, moved
 from riot.draw.tuning import CAPTION_LENGTH, FIGURE_PENS, FIGURE_TIMES
 from riot.motion.planner import motion_of
 from riot.transform.certificate import certify
@@ -21,6 +21,7 @@ def draw_transform(transform: Transform, path: str | os.PathLike[str], images: P
     """Write one figure of the transform; the suffix (svg, png, pdf) chooses the format.
 
     With ``images`` the dissections of P and Q show their own side of the pieces; chain and swing show the front, P's.
+    What the hand sees on the back (`riot.draw.panels.shown_from_back`) is drawn as it is seen there.
     The same transform gives the same bytes. Raises `riot.draw.files.PictureFormatError` (a ValueError) for another
     suffix, and OSError if the file cannot be written. Ours.
 
@@ -46,7 +47,9 @@ def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene
     drawn = sketch(transform)
     motion = motion_of(transform)
     names = _short(transform.p.name or "P"), _short(transform.q.name or "Q")
-    cells = [_row(drawn, side) for side in ("p", "q")]
+    cells, back = [_row(drawn, side) for side in ("p", "q")], shown_from_back(drawn, images)
+    if back:
+        cells[1] = [mirrored(cell) for cell in cells[1]]
     boxes = [extent(marks, drawn.pieces) for row in cells for marks in row]
     cell_width = max(x1 - x0 for x0, _, x1, _ in boxes)
     gap = 0.14 * cell_width
@@ -59,8 +62,8 @@ def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene
     marks.append(Label(gap, top, f"{names[0]} ⇄ {names[1]}", size=24, anchor="start", weight="bold"))
     marks.append(Label(gap, top - 24 * pen, _numbers(transform), "note", anchor="start"))
     top -= 24 * pen + line
-    for row, name in zip(cells, names, strict=True):
-        captions = (*_captions(drawn, name), f"{name} from {len(drawn)} pieces")
+    for row, name, seen in zip(cells, names, ("", ", from the back" if back else ""), strict=True):
+        captions = (*_captions(drawn, name), f"{name} from {len(drawn)} pieces{seen}")
         tall = max(y1 - y0 for _, y0, _, y1 in (extent(cell, drawn.pieces) for cell in row))
         for column, (cell, caption) in enumerate(zip(row, captions, strict=True)):
             x = gap + cell_width / 2 + column * (cell_width + gap)
@@ -72,8 +75,12 @@ def figure_scene(transform: Transform, images: PieceImages = NO_IMAGES) -> Scene
     marks.append(Label(width / 2, top - 0.9 * line, f"the chain: {names[0]} below, {names[1]} above", "note"))
     top -= 2 * line
     poses = [motion_marks(drawn, motion, t) for t in FIGURE_TIMES]
+    if back:
+        poses.append(cells[1][2])
     top = _fitted(marks, poses, drawn, top, width - 2 * gap, gap)
-    marks.append(Label(width / 2, top - 0.9 * line, f"the chain, open at one hinge, {motion.words}", "note"))
+    turned = ", and is turned over" if back else ""
+    words = f"the chain, open at one hinge, {motion.words}{turned}"
+    marks.append(Label(width / 2, top - 0.9 * line, words, "note"))
     title = f"Reversible transform of {names[0]} into {names[1]}, {len(drawn)} hinged pieces"
     return Scene(title, (0.0, top - 2 * line, width, 0.0), pen, drawn.pieces, tuple(marks), images)
 

@@ -23,6 +23,7 @@ from riot.draw.tuning import (
     PALETTE_CELL,
     PALETTE_FRAMES,
     PAUSE_FRAMES,
+    TURN_FRAMES,
 )
 from riot.transform.transform import Transform
 
@@ -32,7 +33,8 @@ def write_film(
 ) -> None:
     """Write the motion from P to Q and back, a loop with pauses; the suffix (gif, mp4) chooses the format.
 
-    ``width`` is in pixels; with ``images`` the pieces show their front. Raises `riot.draw.files.PictureFormatError` (a
+    ``width`` is in pixels; with ``images`` the pieces show their front. If the hand sees Q on the back, the puzzle is
+    turned over at the end (`riot.draw.panels.shown_from_back`). Raises `riot.draw.files.PictureFormatError` (a
     ValueError) for another suffix, `riot.errors.MissingExtraError` if an MP4 cannot be written here, and OSError if
     the file cannot be written. Ours.
 
@@ -60,13 +62,15 @@ def write_film(
 def _gif(camera: Camera) -> bytes:
     frames = frame_count(camera.motion)
     there = [camera.picture(float(t)) for t in eased(frames)]
+    turned = [camera.turning(float(share)) for share in eased(TURN_FRAMES)[1:]] if camera.turns else []
+    there += turned
     palette = _common_palette(there)
     there = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in there]
     step = 10 * round(50.0 * loop_seconds(frames) / (frames + PAUSE_FRAMES))  # milliseconds; a GIF counts hundredths
     film = [*there, *there[-2:0:-1]]
     durations = [step] * len(film)
     durations[0] += PAUSE_FRAMES * step
-    durations[frames] += PAUSE_FRAMES * step
+    durations[len(there) - 1] += PAUSE_FRAMES * step
     stream = io.BytesIO()
     film[0].save(
         stream, "GIF", save_all=True, append_images=film[1:], duration=durations, loop=0, optimize=False, disposal=1
@@ -95,6 +99,9 @@ def _loop(camera: Camera) -> Iterator[Image.Image]:
     half = round(0.5 * loop_seconds(frames) * MP4_RATE)
     rest = round(half * PAUSE_FRAMES / (frames + PAUSE_FRAMES))
     there = [camera.picture(float(t)) for t in eased(half - rest)]
+    if camera.turns:
+        turn = round((half - rest) * TURN_FRAMES / frames)
+        there += [camera.turning(float(share)) for share in eased(turn)[1:]]
     for k, picture in enumerate([*there, *there[-2:0:-1]]):
         for _ in range(1 + (rest if k in (0, len(there) - 1) else 0)):
             yield picture

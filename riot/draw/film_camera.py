@@ -15,9 +15,9 @@ from PIL import Image, ImageDraw
 
 from riot.draw.keyframes import eased, keyframes, motion_marks, swept_box
 from riot.draw.palette import LIGHT, PENS, Pen, colour, hue
-from riot.draw.panels import sketch
+from riot.draw.panels import shown_from_back, sketch
 from riot.draw.piece_image import PieceImage, PieceImages
-from riot.draw.scene import Dot, Line, PlacedPiece, Scene, placed
+from riot.draw.scene import Dot, Line, PlacedPiece, Scene, extent, mirrored, placed
 from riot.draw.tuning import FILM_SUPERSAMPLING, MOTION_PENS, SWEPT_MARGIN, WAY_FRAMES
 from riot.motion.planner import motion_of
 from riot.transform.pose import rotate
@@ -37,12 +37,32 @@ class Camera:
         height = multiple * max(1, round((y1 - y0) / pixel / multiple))
         box = (x0, y1 - height * pixel, x1, y1)
         self.size = width, height
+        self.turns = shown_from_back(self._drawn, images)
+        """Whether the puzzle is turned over at the end, because the hand sees Q on its back."""
         self._scene = Scene("", box, (x1 - x0) / MOTION_PENS, self._drawn.pieces, (), images)
 
     def picture(self, t: float) -> Image.Image:
         """Time t of the motion, from 0 to 1."""
         marks = tuple(motion_marks(self._drawn, self.motion, t))
         return paint(replace(self._scene, marks=marks), self.size)
+
+    def turning(self, share: float) -> Image.Image:
+        """The puzzle as Q while it is turned over: the front at share 0, edge-on at a half, the back at 1."""
+        closed = motion_marks(self._drawn, self.motion, 1.0)
+        x0, _, x1, _ = extent(closed, self._scene.pieces)
+        middle, squeeze = 0.5 * (x0 + x1), abs(math.cos(math.pi * share))
+        if share > 0.5:
+            sides = (replace(mark, side="q") if isinstance(mark, PlacedPiece) else mark for mark in closed)
+            closed = mirrored(sides, middle)
+        picture = paint(replace(self._scene, marks=tuple(closed)), self.size)
+        left, _, right, _ = self._scene.box
+        column = (middle - left) / (right - left) * self.size[0]
+        stretch = 1.0 / max(squeeze, 1e-3)
+        shift = column * (1.0 - stretch)
+        return picture.transform(
+            self.size, Image.Transform.AFFINE, (stretch, 0.0, shift, 0.0, 1.0, 0.0),
+            Image.Resampling.BILINEAR, fillcolor=LIGHT["paper"],
+        )  # fmt: skip
 
 
 def paint(scene: Scene, size: tuple[int, int]) -> Image.Image:
@@ -117,7 +137,8 @@ class _Painter:
             return
         # Pillow asks where in the image each pixel is: from three pixels that follows for all.
         corners = np.array([[left, top], [left + 1.0, top], [left, top + 1.0]]) / [self.scale, -self.scale]
-        in_piece = rotate(corners + self.corner - [mark.x, mark.y], -mark.heading) / mark.scale
+        sides = np.array([-mark.scale if mark.mirror else mark.scale, mark.scale])
+        in_piece = rotate(corners + self.corner - [mark.x, mark.y], -mark.heading) / sides
         x0, y0, x1, y1 = image.box
         rows, columns = image.pixels.shape[:2]
         at = (in_piece - [x0, y1]) * [columns / (x1 - x0), -rows / (y1 - y0)]

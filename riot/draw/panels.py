@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from riot.draw.palette import hue
+from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Dot, Line, Mark, PlacedPiece, Region
 from riot.draw.tuning import SKETCH_TOLERANCE
 from riot.geometry.polyline import simplify, simplify_open
@@ -75,6 +76,15 @@ def deformation_marks(transform: Transform, side: str) -> list[Mark]:
     """
     assembled = transform.outline_p() if side == "p" else transform.outline_q()
     return [*_input(transform, side), Region((assembled,), "outline")]
+
+
+def shown_from_back(transform: Transform, images: PieceImages = NO_IMAGES) -> bool:
+    """Whether the hand sees Q on the back of the pieces: because it was mirrored for that, or is painted there.
+
+    >>> shown_from_back(transform)
+    False
+    """
+    return transform.mirrored_q or "q" in images
 
 
 def ghost_marks(transform: Transform, side: str) -> list[Mark]:

@@ -82,7 +82,8 @@ class _Page:
             seam = np.array([[0.0, 0.0], [piece.length, 0.0]])
             self._path(Path(placed(mark, seam)), "seam", pen)
         else:
-            to_points = Affine2D().scale(mark.scale).rotate(mark.heading).translate(mark.x, mark.y) + self._to_points
+            sides = Affine2D().scale(-mark.scale if mark.mirror else mark.scale, mark.scale)
+            to_points = sides.rotate(mark.heading).translate(mark.x, mark.y) + self._to_points
             self._bitmap(image.pixels, image.box, to_points, TransformedPath(outline, self._to_points))
             self._path(outline, "cut", pen)
 

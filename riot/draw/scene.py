@@ -37,7 +37,8 @@ class Line:
 class PlacedPiece:
     """Piece ``piece`` of the scene, its frame turned by ``heading`` (radians), scaled, and moved to (x, y).
 
-    ``side`` says which of its images shows, if the scene has images of that side: the front, "p", or "q".
+    ``side`` says which of its images shows, if the scene has images of that side: the front, "p", or "q". A piece that
+    is seen from the back, ``mirror``, has its frame mirrored (x to −x) before it is turned.
     """
 
     piece: int
@@ -46,6 +47,7 @@ class PlacedPiece:
     heading: float = 0.0
     scale: float = 1.0
     side: str = "p"
+    mirror: bool = False
 
 
 @dataclass(frozen=True)
@@ -154,13 +156,42 @@ def moved(marks: Iterable[Mark], x: float, y: float, scale: float = 1.0) -> list
     return result
 
 
+def mirrored(marks: Iterable[Mark], x: float = 0.0) -> list[Mark]:
+    """The marks as they are seen from the back, turned over about the vertical at x.
+
+    >>> mirrored([Dot(1.0, 2.0, "hinge")], 2.0)[0].x
+    3.0
+    """
+    result: list[Mark] = []
+    for mark in marks:
+        if isinstance(mark, Region):
+            result.append(replace(mark, rings=tuple(_flipped(ring, x)[::-1] for ring in mark.rings)))
+        elif isinstance(mark, Line):
+            result.append(replace(mark, points=_flipped(mark.points, x)))
+        elif isinstance(mark, Bitmap):
+            x0, y0, x1, y1 = mark.box
+            clip = None if mark.clip is None else tuple(_flipped(ring, x)[::-1] for ring in mark.clip)
+            result.append(replace(mark, pixels=mark.pixels[:, ::-1], box=(2 * x - x1, y0, 2 * x - x0, y1), clip=clip))
+        elif isinstance(mark, PlacedPiece):
+            result.append(replace(mark, x=2 * x - mark.x, heading=-mark.heading, mirror=not mark.mirror))
+        else:
+            result.append(replace(mark, x=2 * x - mark.x))
+    return result
+
+
+def _flipped(points: FloatArray, x: float) -> FloatArray:
+    flipped: FloatArray = points * [-1.0, 1.0] + [2 * x, 0.0]
+    return flipped
+
+
 def placed(piece: PlacedPiece, points: FloatArray) -> FloatArray:
     """(k, 2) points of a piece's frame where the piece lies in the scene.
 
     >>> placed(PlacedPiece(0, 1.0, 0.0, 0.0), np.array([[1.0, 2.0]])).tolist()
     [[2.0, 2.0]]
     """
-    in_scene: FloatArray = rotate(points * piece.scale, piece.heading) + np.array([piece.x, piece.y])
+    sides = np.array([-piece.scale if piece.mirror else piece.scale, piece.scale])
+    in_scene: FloatArray = rotate(points * sides, piece.heading) + np.array([piece.x, piece.y])
     return in_scene
 
 

@@ -221,6 +221,8 @@ def _mark(index: int, mark: Mark, prefix: str, scene: Scene) -> str:
         return f'<path class="r-{mark.pen}" d="{path_data(mark.points, closed=False)}"/>'
     if isinstance(mark, PlacedPiece):
         scaled = "" if mark.scale == 1.0 else f"scale({number(mark.scale)})"
+        if mark.mirror:
+            scaled = f"scale(-{number(mark.scale)} {number(mark.scale)})"
         moves = f"translate({translation(mark.x, mark.y)})rotate({turn(mark.heading)}){scaled}"
         return f'<use href="#{piece_id(prefix, mark.piece, mark.side, scene.images)}" transform="{moves}"/>'
     if isinstance(mark, Bitmap):

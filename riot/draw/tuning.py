@@ -73,6 +73,9 @@ WAY_FRAMES = 40
 PAUSE_FRAMES = 14
 """Frames of one pause."""
 
+TURN_FRAMES = 14
+"""Frames in which a film turns the puzzle over."""
+
 LOOP_SECONDS = 8.0
 """Seconds of one loop of `WAY_FRAMES`: a pause as P, the way there, a pause as Q, the way back. More frames take
 longer."""

@@ -108,3 +108,16 @@ class Shape(ByContent):
         'home'
         """
         return replace(self, name=name)
+
+    def mirrored(self) -> Shape:
+        """The mirror image, about the vertical through the centroid; ``to_source`` still leads to the same source.
+
+        >>> bool((house.mirrored().source([[-0.1, 0.2]]) == house.source([[0.1, 0.2]])).all())
+        True
+        """
+        return replace(
+            self,
+            points=np.roll(self.points[::-1] * [-1.0, 1.0], 1, axis=0),
+            feature=np.roll(self.feature[::-1], 1),
+            to_source=self.to_source * [-1.0, 1.0, 1.0],
+        )

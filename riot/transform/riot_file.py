@@ -73,6 +73,8 @@ def to_json(transform: Transform) -> str:
         "bound_q": transform.bound_q,
     }
     document |= {name: bend_document.to_document(bend) for name, bend in _bends(transform).items()}
+    if transform.mirrored_q:
+        document["mirrored_q"] = True  # readers that do not know it lose nothing but how Q is shown
     if transform.plan is not None:
         document["motion"] = to_document(transform.plan)
     if transform.history is not None:
@@ -197,6 +199,7 @@ def _transform(document: dict[str, Any]) -> Transform:
         trunk_q=read_points(document["trunk_q"]),
         bound_p=_bound(document["bound_p"]),
         bound_q=_bound(document["bound_q"]),
+        mirrored_q=document.get("mirrored_q", False) is True,
     )
     if document["version"] == BENT_VERSION:
         bend_p, bend_q = (

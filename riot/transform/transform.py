@@ -82,6 +82,8 @@ class Transform(ByContent):
         From which pictures, by which parameters, code and libraries it was made.
     bend_p, bend_q : Bend, optional
         What was done to the inputs before they were cut; ``bend_p.bent`` is ``p``.
+    mirrored_q : bool
+        Q is the mirror image of what was given: the puzzle shows it the right way when it is turned over.
     """
 
     pieces: tuple[Piece, ...]
@@ -99,6 +101,7 @@ class Transform(ByContent):
     history: History | None = None
     bend_p: Bend | None = None
     bend_q: Bend | None = None
+    mirrored_q: bool = False
 
     def __repr__(self) -> str:
         return f"Transform({self.p.name!r} ⇄ {self.q.name!r}, {count(len(self), 'piece')})"

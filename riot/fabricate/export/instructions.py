@@ -38,10 +38,8 @@ def steps(design: Design) -> list[str]:
         )
     sentences.append(f"Pieces {order[-1]} and {order[0]} are the free ends: nothing joins them.")
     sentences.append(f"Swing the chain shut one way for {names[0]}, and the other way for {names[1]}.")
-    sentences.append(
-        f"Texture sheets: those of {names[0]} go on the front; those of {names[1]} on the back, where it is seen "
-        "mirrored when the puzzle is turned over."
-    )
+    if design.transform.mirrored_q:
+        sentences.append(f"Turn the puzzle over: {names[1]} is on its back.")
     return sentences
 
 

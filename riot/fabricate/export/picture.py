@@ -57,9 +57,10 @@ def draw_puzzle(
 ) -> None:
     """Draw the assembled puzzle, or the same taken apart with its pins over the hinges, as a PNG file.
 
-    Pieces have their numbers, unless a texture is on the assembled ones. As P it is seen from the front, with P's texture if there is one. As Q it is seen from the back if there is a
-    texture of Q, which is mirrored there as the outline is; from the front else, in plain colours. The same input gives
-    the same bytes. Raises `riot.draw.files.PictureFormatError` for a suffix other than .png.
+    Pieces have their numbers, unless a texture is on the assembled ones. As P it is seen from the front, with P's
+    texture if there is one. As Q it is seen from the back if Q was mirrored to be read there, or if there is a texture
+    of Q, which is mirrored there as the outline is; from the front else, in plain colours. The same input gives the
+    same bytes. Raises `riot.draw.files.PictureFormatError` for a suffix other than .png.
     """
     target = Path(path)
     if target.suffix.lower() != ".png":
@@ -73,7 +74,7 @@ def puzzle_view(
 ) -> View:
     """The picture of `draw_puzzle` before it has a format, without a margin."""
     texture = (textures or {}).get(side)
-    back = side == "q" and texture is not None
+    back = side == "q" and (texture is not None or design.transform.mirrored_q)
     frames = _frames(design, side, back, APART_SHARE if apart else 0.0)
     bodies = [_piece(design, i, frame, back, side, texture) for i, frame in enumerate(frames)]
     bodies += _pins(design, frames) if apart else _pushed_in(design, frames)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import textwrap
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -95,16 +96,21 @@ def _layout(outlines: Sequence[FloatArray]) -> tuple[float, float, list[Spot]]:
     sizes = np.array([np.ptp(outline, axis=0) for outline in outlines])
     for width, height in PAPERS:
         try:
-            return (
-                width,
-                height,
-                shelves(sizes, width - 2 * SHEET_MARGIN_MM, height - FOOT_MM - SHEET_MARGIN_MM, FACE_SPACE_MM),
-            )
+            free = width - 2 * SHEET_MARGIN_MM
+            spots = shelves(sizes, free, height - FOOT_MM - SHEET_MARGIN_MM, FACE_SPACE_MM)
+            return width, height, _centred(spots, sizes, free)
         except ValueError:
             continue
     # Larger than any paper: the page is made for it.
     side = float(sizes.max())
     return side + 2 * SHEET_MARGIN_MM, side + FOOT_MM + SHEET_MARGIN_MM, shelves(sizes, side, side, FACE_SPACE_MM)
+
+
+def _centred(spots: Sequence[Spot], sizes: FloatArray, width: float) -> list[Spot]:
+    """The spots with the pieces of every page in the middle of its width."""
+    ends = [spot.x + float(size[int(spot.turned)]) for spot, size in zip(spots, sizes, strict=True)]
+    used = [max(end for end, other in zip(ends, spots, strict=True) if other.page == spot.page) for spot in spots]
+    return [replace(spot, x=spot.x + 0.5 * (width - end)) for spot, end in zip(spots, used, strict=True)]
 
 
 def face(design: Design, index: int, side: Side) -> shapely.Polygon:
@@ -160,7 +166,8 @@ def face_colours(
 def _captions(width: float, design: Design, side: Side, number: int, count: int) -> list[Mark]:
     p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
     names = [textwrap.shorten(name, LONGEST_NAME, placeholder="…") for name in (p, q)]
-    what = f"front: {names[0]}" if side == "p" else f"back: {names[1]}, mirrored"
+    as_seen = "" if design.transform.mirrored_q else ", seen mirrored"
+    what = f"front: {names[0]}" if side == "p" else f"back: {names[1]}{as_seen}"
     x, y = SHEET_MARGIN_MM, 7.0
     right = width - SHEET_MARGIN_MM
     left = right - RULER_MM
