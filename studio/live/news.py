@@ -48,11 +48,15 @@ class Session(News, frozen=True):
 
 
 class TransformNews(News, frozen=True, tag="transform"):
-    """A transform that answers a request, or is there when a tab is opened."""
+    """A transform that answers a request, or is there when a tab is opened.
+
+    ``milliseconds`` is how long the answer took since its turn came, ``cpu`` how much of a processor.
+    """
 
     seq: int
     draft: bool
     milliseconds: float
+    cpu: float
     scene: Raw
 
 

@@ -52,7 +52,7 @@ class LiveSession:
         await send(news.encoded(await self.view.session(self.history, self._revision, 0)))
         shown = self.history.now.shown
         if shown is not None:
-            await send(news.encoded(news.TransformNews(0, False, 0.0, Raw(await self.view.scene(shown)))))
+            await send(news.encoded(news.TransformNews(0, False, 0.0, 0.0, Raw(await self.view.scene(shown)))))
             await self.plan_motion(shown)
 
     def move(self, request: EditRequest) -> None:
@@ -89,7 +89,7 @@ class LiveSession:
             shown = self.history.now.shown
             if shown is None or shown == before:
                 return
-            await self.tabs.tell(news.TransformNews(seq, False, 0.0, Raw(await self.view.scene(shown))))
+            await self.tabs.tell(news.TransformNews(seq, False, 0.0, 0.0, Raw(await self.view.scene(shown))))
         await self.plan_motion(shown)
 
     async def commit(self, history: History, seq: int) -> None:
@@ -102,7 +102,7 @@ class LiveSession:
     async def show(self, seq: int, started: float, answer: Answer, *, draft: bool) -> None:
         """Tell of a transform that was asked for when the clock was at ``started``."""
         milliseconds = round(1e3 * (time.perf_counter() - started), 1)
-        await self.tabs.tell(news.TransformNews(seq, draft, milliseconds, Raw(answer.shown.scene)))
+        await self.tabs.tell(news.TransformNews(seq, draft, milliseconds, answer.cpu, Raw(answer.shown.scene)))
 
     async def plan_motion(self, digest: str) -> None:
         """Have the motion of a transform planned, if it is not."""

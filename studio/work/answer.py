@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import wraps
+from typing import ParamSpec
 
 from msgspec import json
 
@@ -25,11 +29,12 @@ class Made:
 
 @dataclass(frozen=True)
 class Answer:
-    """A state, what is shown of it, and further transforms that it names."""
+    """A state, what is shown of it, further transforms that it names, and the CPU milliseconds that it took."""
 
     state: State
     shown: Made
     others: tuple[Made, ...] = ()
+    cpu: float = 0.0
 
 
 def kept(transform: Transform, *, thumbnail: bool = False, worth: float = 0.0) -> Made:
@@ -43,3 +48,18 @@ def kept(transform: Transform, *, thumbnail: bool = False, worth: float = 0.0) -
 def draft(transform: Transform) -> Made:
     """A transform that is shown once, while something moves."""
     return Made("", b"", json.encode(scene_of(transform, "draft", quick=True)))
+
+
+Arguments = ParamSpec("Arguments")
+
+
+def timed(function: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:
+    """A function whose answer says how much CPU time it took."""
+
+    @wraps(function)
+    def measured(*arguments: Arguments.args, **named: Arguments.kwargs) -> Answer:
+        started = time.process_time()
+        answer = function(*arguments, **named)
+        return replace(answer, cpu=round(1e3 * (time.process_time() - started), 1))
+
+    return measured

@@ -13,12 +13,11 @@ from riot.construction.bend import bend_plan
 from riot.construction.dissected_plan import dissect_plan
 from riot.construction.drawn_lines import add_line, pull
 from riot.construction.pins import Pin as GeometryPin
-from riot.construction.pins import Pins
 from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_transform import construct_plan, construct_plans
 from riot.construction.refine import refine
 from riot.construction.replan import plan_of, unbent_plan, with_corner
-from riot.errors import ConstructionError, TrunkError
+from riot.errors import ConstructionError, PinError, TrunkError
 from riot.parameters import BendParameters, ConstructParameters, RefineParameters
 from riot.transform.transform import Transform
 from riot.types import FloatArray
@@ -39,14 +38,18 @@ from studio.messages import (
     points_of,
 )
 from studio.session.state import Pin, State, StiffRegion
-from studio.work.answer import Answer, draft, kept
+from studio.work.answer import Answer, draft, kept, timed
 from studio.work.material import Files, back, dissected, pins_of, side_pins, transform
-from studio.work.search import both_modes, found_plans
+from studio.work.search import best_transform, both_modes, found_plans
 
-DRAFT_BEND = BendParameters(method="elastic", sketch_steps=8, steps=0, turns=0)
-"""A bend that is answered while a slider is dragged."""
+DRAFT_BEND = BendParameters(method="elastic", contact=4.0, sketch_steps=8, steps=0, turns=0)
+"""A bend that is answered while a slider is dragged. As one plan is bent, contact weighs more than where many are."""
 
-EXACT_BEND = BendParameters(method="elastic")
+EXACT_BEND = BendParameters(method="elastic", contact=4.0, steps=24)
+"""A bend that is answered when it is released: half the steps of a search, on one plan, in half a second."""
+
+BEND_REFINEMENT = RefineParameters(lines=64)
+"""Scanlines of the bound while one plan is bent: half of a search's."""
 
 DIGITS = 9
 """Decimals of pins and regions that are kept: a millionth of a pixel."""
@@ -60,6 +63,7 @@ STROKE_TOLERANCE = 0.01
 """Douglas–Peucker tolerance of a painted region, in the unit-area frame."""
 
 
+@timed
 def change(state: State, edit: Edit, files: Files, quick: bool) -> Answer:
     """What follows from an edit of a state that shows a transform; ``quick``: a draft, not to be kept.
 
@@ -163,7 +167,8 @@ def _planned(state: State, plan: ConstructionPlan, as_root: bool, quick: bool) -
         pins = pins_of(state, base)
         return _answer(state, plans.transform(pins) if pins else base, quick)
     base = construct_plan(plan, ConstructParameters())
-    return _based(state, base, construct_plan(plan, ConstructParameters(), _some(pins_of(state, base))), as_root)
+    pins = pins_of(state, base)
+    return _based(state, base, construct_plan(plan, ConstructParameters(), pins) if pins else None, as_root)
 
 
 def _based(state: State, base: Transform, shown: Transform | None, as_root: bool) -> Answer:
@@ -175,17 +180,23 @@ def _based(state: State, base: Transform, shown: Transform | None, as_root: bool
     return Answer(answer.state, answer.shown, (made,))
 
 
-def _some(pins: Pins) -> Pins | None:
-    return pins or None
-
-
 def _bent(state: State, files: Files, quick: bool) -> Answer:
     """Bend the root's trunks and shapes as the state says."""
     plan = _unbent(state, files)
     if state.weight is None:
         return _unbent_answer(state, plan, files, quick)
     bend = replace(DRAFT_BEND if quick else EXACT_BEND, weight=state.weight)
-    return _planned(state, bend_plan(plan, *both_modes(state, files), bend).plan, False, quick)
+    try:
+        return _planned(state, bend_plan(plan, *both_modes(state, files), bend, BEND_REFINEMENT).plan, False, quick)
+    except PinError:
+        raise
+    except ConstructionError:
+        if quick:
+            raise
+    # These trunks fall apart when they are bent so: take the best that do not.
+    found = best_transform(state, files)
+    answer = _pinned(found.state, {**files, found.shown.digest: found.shown.text}, quick)
+    return replace(answer, others=(found.shown,))
 
 
 def _unbent_answer(state: State, plan: ConstructionPlan, files: Files, quick: bool) -> Answer:
@@ -196,8 +207,8 @@ def _unbent_answer(state: State, plan: ConstructionPlan, files: Files, quick: bo
         return _planned(state, refined, False, quick)
     except ConstructionError:
         base = construct_plans(found_plans(state, files), [], ConstructParameters())
-        pins = _some(pins_of(state, base))
-        shown = None if pins is None else dissect_plan(plan_of(base), ConstructParameters()).transform(pins)
+        pins = pins_of(state, base)
+        shown = dissect_plan(plan_of(base), ConstructParameters()).transform(pins) if pins else None
         return _answer(state, shown or base, True) if quick else _based(state, base, shown, False)
 
 

@@ -16,7 +16,7 @@ from riot.parameters import BendParameters, ConstructParameters, RefineParameter
 from riot.transform.deformation import overlap_ratios
 from riot.transform.transform import Transform
 from studio.session.state import State
-from studio.work.answer import Answer, Made, kept
+from studio.work.answer import Answer, Made, kept, timed
 from studio.work.material import Files, once, shape, shape_modes
 
 PER_SIZE = BendParameters.starts
@@ -31,11 +31,13 @@ def bending(state: State) -> BendParameters | None:
     return None if state.weight is None else BendParameters(method="elastic", weight=state.weight)
 
 
+@timed
 def first_transform(state: State, files: Files) -> Answer:
     """The transform that needs no bend: quick, to be seen at once. Raises TrunkError, ConstructionError."""
     return _chosen(state, construct_plans(found_plans(state, files), [], ConstructParameters()))
 
 
+@timed
 def best_transform(state: State, files: Files) -> Answer:
     """The transform that `riot make` would make. Raises TrunkError, ConstructionError."""
     plans, bend = found_plans(state, files), bending(state)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import multiprocessing
+import os
 import signal
+import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -13,13 +15,17 @@ from typing import ParamSpec, TypeVar
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
+GIVING_WAY = 10
+"""Niceness of what a person does not wait for while something moves."""
+
 
 class Worker:
     """One process, started when it is needed, and anew when it died."""
 
-    def __init__(self) -> None:
-        """Start nothing yet."""
+    def __init__(self, niceness: int = 0) -> None:
+        """Start nothing yet; the process gives way to others by ``niceness``."""
         self._pool: ProcessPoolExecutor | None = None
+        self._niceness = niceness
 
     async def run(
         self, function: Callable[Arguments, Result], *arguments: Arguments.args, **named: Arguments.kwargs
@@ -41,7 +47,7 @@ class Worker:
         if self._pool is None:
             # Spawned: a fork would take the event loop and its threads along.
             context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_ignore_interrupts)
+            self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin, initargs=(self._niceness,))
         return await asyncio.wrap_future(self._pool.submit(function, *arguments, **named))
 
     def close(self) -> None:
@@ -61,8 +67,7 @@ class Workers:
     def __init__(self) -> None:
         """Start nothing yet."""
         self.live = Worker()
-        self.background = Worker()
-        self.workshop = Worker()
+        self.background, self.workshop = Worker(GIVING_WAY), Worker(GIVING_WAY)
 
     def close(self) -> None:
         """End all of them."""
@@ -70,5 +75,15 @@ class Workers:
             worker.close()
 
 
-def _ignore_interrupts() -> None:
+def _begin(niceness: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server answers Ctrl-C
+    os.nice(niceness)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """Do not stay behind when the server is killed."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
