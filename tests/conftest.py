@@ -20,6 +20,11 @@ hypothesis.settings.register_profile("tests", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("tests")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--pictures DIR``: where tests leave the pictures that the guide shows."""
+    parser.addoption("--pictures", metavar="DIR", help="keep the pictures of pages in this folder")
+
+
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the numeric kernels where they are not, before any worker starts: that is no single test's time."""
     if "PYTEST_XDIST_WORKER" in os.environ or session.config.getoption("collectonly"):
