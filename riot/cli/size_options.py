@@ -8,15 +8,26 @@ from dataclasses import fields
 
 from riot.cli.parser import Parser
 from riot.parameters import FabricationParameters
+from riot.parameters.fabrication import PIVOTS
 from riot.parameters.field import describe
 
 
 def add_sizes(parser: Parser, without: Collection[str] = ()) -> None:
     """Add an option for every parameter except those ``without`` one, which the command decides itself."""
     for field in fields(FabricationParameters):
-        if field.name not in without:
-            declared = describe(field)
-            assert declared is not None
+        if field.name in without:
+            continue
+        declared = describe(field)
+        assert declared is not None
+        if field.name == "pivot":
+            parser.parameter_option(
+                "--pivot",
+                field.name,
+                choices=tuple(PIVOTS),
+                help="what the hinges turn on: printed pins, lengths of 1.75 mm filament or of a 3 mm steel rod with "
+                "printed caps, or M3 screws of 10 mm with nuts; default printed",
+            )
+        else:
             parser.parameter_option(
                 _option(field.name),
                 field.name,
@@ -27,12 +38,14 @@ def add_sizes(parser: Parser, without: Collection[str] = ()) -> None:
 
 
 def chosen_sizes(chosen: argparse.Namespace) -> FabricationParameters:
-    """Return the parameters that the user gave, and defaults for the others.
+    """Return the parameters that the user gave, those that go with the pivot, and defaults for the others.
 
     Raises `riot.errors.ParameterError` for a value out of its range.
     """
-    given = {field.name: getattr(chosen, field.name, None) for field in fields(FabricationParameters)}
-    return FabricationParameters(**{name: value for name, value in given.items() if value is not None})
+    options = {field.name: getattr(chosen, field.name, None) for field in fields(FabricationParameters)}
+    given = {name: value for name, value in options.items() if value is not None}
+    preset = PIVOTS[given.pop("pivot", "printed")]
+    return FabricationParameters(**{**preset, **given})
 
 
 def _option(parameter: str) -> str:

@@ -1,7 +1,9 @@
 """The certificate of a puzzle that is to be made, and how a puzzle that fails can be mended. Ours.
 
-What it proves: every part is one closed solid; at every hinge the pin has the clearance asked for; and all pieces keep
-the outline gap between them at every moment of the planned motion, at every height, not only at sampled poses. Solids
+What it proves: every part is one closed solid that prints without supports; at every hinge the pin is held by what is
+asked for, has its clearance where it turns, and keeps the pieces from being pulled apart; no piece is hardly more than
+its hinges; and all pieces keep the outline gap between them at every moment of the planned motion, at every height, not
+only at sampled poses. Solids
 are cut with each other at some poses besides, which catches errors in how they were made.
 """
 
@@ -21,7 +23,7 @@ from riot.fabricate.tuning import FILAMENT_MM, GREATEST_WALL_MM, SIZE_FACTOR, WA
 from riot.parameters import FabricationParameters, allowed_range
 from riot.transform.transform import Transform
 
-MENDED = ("size_mm", "pin_mm", "wall_mm")
+MENDED = ("size_mm", "pin_mm", "pivot", "wall_mm")
 """What `fix` may change."""
 
 
@@ -49,13 +51,41 @@ class FabricationCertificate:
         """Least width of all pieces, mm."""
         return min(check.wall for check in self.parts if not math.isnan(check.wall))
 
+    @property
+    def hinge_share(self) -> float:
+        """The greatest share of a piece's area that its hinges take."""
+        return max(check.hinge_share for check in self.parts if not math.isnan(check.hinge_share))
+
+    @property
+    def supported(self) -> bool:
+        """Whether every part prints without supports."""
+        return not any(check.supports.failures for check in self.parts)
+
+    @property
+    def overhang(self) -> float:
+        """The greatest lean of a layer over the one below, degrees."""
+        return max(check.supports.overhang for check in self.parts)
+
+    @property
+    def bridge(self) -> float:
+        """The longest bridge, mm; 0 if there is none."""
+        return max(check.supports.bridge for check in self.parts)
+
     def words(self) -> list[str]:
         """Describe each hinge and the motion, one line for each."""
         lines = [
-            f"hinge {check.hinge}: {check.kind}, {check.axial_gap:.2f} mm along the axis, "
-            f"{check.male_gap:.2f} and {check.female_gap:.2f} mm around it"
+            f"hinge {check.hinge}: {check.kind}, {check.axial_gap:.2f} mm along the axis, {check.turning_gap:.2f} mm "
+            f"around it{'' if check.interference is None else f', pressed in by {check.interference:.2f} mm'}; "
+            f"{'stops' if check.kind == 'telescopic' else 'held'} after {check.pull:.1f} mm"
             for check in self.hinges
         ]
+        lines.append(
+            f"prints without supports: overhangs up to {self.overhang:.0f}°, "
+            f"{f'bridges up to {self.bridge:.1f} mm' if self.bridge else 'no bridges'}"
+            if self.supported
+            else "does not print without supports"
+        )
+        lines.append(f"hinges are at most {self.hinge_share:.0%} as large as their piece")
         motion = self.motion
         proof = f"proven at every moment ({motion.examined} poses of two pieces)" if motion.proven else "not proven"
         lines.append(f"motion: pieces keep {motion.floor:.3f} mm apart, {proof}; least gap found {motion.gap:.3f} mm")
@@ -66,9 +96,8 @@ class FabricationCertificate:
 def certify(design: Design, parts: tuple[Part, ...] | None = None) -> FabricationCertificate:
     """Verify a design and its solids; without ``parts`` make its solids first."""
     parts = make_parts(design) if parts is None else parts
-    pieces = {piece.name: piece for piece in design.pieces}
     return FabricationCertificate(
-        tuple(check_part(part, pieces.get(part.name)) for part in parts),
+        tuple(check_part(part, design) for part in parts),
         check_hinges(design, parts),
         check_motion(design, parts),
     )
@@ -109,8 +138,10 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None, *
             puzzle = build(transform, tried)
             if puzzle.certificate.passed:
                 return replace(puzzle, changes=_changes(asked, tried))
-            mend = next((check.mend for check in puzzle.certificate.parts if check.failures), "size_mm")
-            error = FabricationError("uncertified", "; ".join(puzzle.certificate.failures), mend)
+            failed = [check for check in puzzle.certificate.parts if check.failures]
+            first = max(failed, key=lambda check: (check.mend == "size_mm", check.value), default=None)
+            mend, value = ("size_mm", math.nan) if first is None else (first.mend, first.value)
+            error = FabricationError("uncertified", "; ".join(puzzle.certificate.failures), mend, value)
         except FabricationError as caught:
             error = caught
         following = _next(tried, error, enlarge) if error.parameter in MENDED else None
@@ -129,7 +160,7 @@ def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) 
         wall = round(tried.wall_mm + WALL_STEP_MM, 3)
         return replace(tried, wall_mm=wall) if wall <= GREATEST_WALL_MM else None
     if tried.pin_mm > FILAMENT_MM:
-        return replace(tried, pin_mm=FILAMENT_MM)
+        return replace(tried, pin_mm=FILAMENT_MM, pivot="rod")
     greatest = allowed_range(FabricationParameters, "size_mm")[1]
     if not enlarge or tried.size_mm >= greatest:
         return None
@@ -149,7 +180,11 @@ def _hopeless(error: FabricationError, changes: tuple[str, ...]) -> FabricationE
 
 def _changes(asked: FabricationParameters, used: FabricationParameters) -> tuple[str, ...]:
     return tuple(
-        f"{name}: {getattr(used, name):g} instead of {getattr(asked, name):g}"
+        f"{name}: {_value(getattr(used, name))} instead of {_value(getattr(asked, name))}"
         for name in MENDED
         if getattr(used, name) != getattr(asked, name)
     )
+
+
+def _value(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:g}"

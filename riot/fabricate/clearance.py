@@ -130,16 +130,20 @@ def proven_at_hinge(motion: Motion, before: PieceDesign, after: PieceDesign, flo
 
     Their knuckles, and the room for them, count as they are.
     """
+    sections = {
+        (first.wkb, second.wkb): [first, second]
+        for below in before.slabs
+        for above in after.slabs
+        if min(below.high, above.high) - max(below.low, above.low) > HEIGHT_TOLERANCE_MM
+        for first, second in [(filled(below.section), filled(above.section))]
+    }
     examined = 0
-    for below in before.slabs:
-        for above in after.slabs:
-            if min(below.high, above.high) - max(below.low, above.low) > HEIGHT_TOLERANCE_MM:
-                sections = [filled(below.section), filled(above.section)]
-                regions = make_regions(sections, [_NO_HINGES, _NO_HINGES], [before.length, after.length])
-                proof = _proven(motion, np.array([after.start.hinge]), regions, floor)
-                examined += proof.examined
-                if not proof.complete:
-                    return Proof(False, proof.time, examined)
+    for pair in sections.values():
+        regions = make_regions(pair, [_NO_HINGES, _NO_HINGES], [before.length, after.length])
+        proof = _proven(motion, np.array([after.start.hinge]), regions, floor)
+        examined += proof.examined
+        if not proof.complete:
+            return Proof(False, proof.time, examined)
     return Proof(True, 1.0, examined)
 
 

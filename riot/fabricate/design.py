@@ -1,8 +1,8 @@
 """From a transform to the flat pieces of a puzzle with hinges, in millimetres (paper §4.4, theory §9). Ours.
 
-The piece after a hinge is its female side: the outer two knuckles; the piece before it the male: the middle one. A
-piece makes room for its neighbour's knuckles at their heights, and at all heights for those of other pieces, wherever
-the planned motion takes them.
+At a hinge the knuckle of one piece lies on that of the other; pieces take turns along the chain (`upper_pieces`). A
+piece makes room for its neighbour's knuckle at its heights, and at all heights for those of other pieces, wherever the
+planned motion takes them.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ import shapely
 from riot.errors import FabricationError as FabricationError
 from riot.fabricate.clearance import shaved
 from riot.fabricate.layers import make_slabs
-from riot.fabricate.model import Design, HingeEnd, HingePin, Kind, PieceDesign
+from riot.fabricate.model import Design, HingeEnd, HingePin, Kind, PieceDesign, Role
 from riot.fabricate.outlines import corner_angle, make_outline, narrowest, widening_parameter
+from riot.fabricate.pivot import Pivot, knuckle_radius, make_pivot
 from riot.fabricate.sub_chains import sub_chains
 from riot.fabricate.sweep import cleared, keep_hinges_apart
-from riot.fabricate.telescope import Ring, Telescope, make_telescope
+from riot.fabricate.telescope import Telescope, make_telescope
 from riot.fabricate.tuning import (
-    LARGE_HINGE_SHARE,
     LARGE_LOSS_SHARE,
     NARROW_CORNER,
     OUTLINE_SPARE_MM,
     SAME_CLEARANCE_RATIO,
     STRONG_WALL_MM,
 )
-from riot.geometry.polyline import extent, signed_area
+from riot.geometry.polyline import extent
 from riot.motion.planner import motion_of, plan_motion
 from riot.parameters import FabricationParameters as FabricationParameters
 from riot.parameters import MotionParameters
@@ -55,7 +55,9 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
     scale = parameters.size_mm / side
     motion = _motion(transform, parameters, scale)
     telescope = make_telescope(parameters) if motion.lifted else None
-    ends = _ends(motion, parameters, telescope, scale)
+    count = len(transform) - 1 - len(motion.lifted)
+    pivot = make_pivot(parameters) if count else None
+    ends = _ends(motion, parameters, pivot, telescope, scale)
     chains = sub_chains(motion, scale)
     keep_hinges_apart(ends, chains, transform, parameters, scale)
 
@@ -69,14 +71,13 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
         piece_design = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], parameters)
         pieces.append(piece_design)
         warnings += _weaknesses(piece_design, raw[i], parameters)
-    count = sum(end.kind == "pin" for _, end in ends)
-    pins = (HingePin(parameters.pin_mm, parameters.height, count),) if count else ()
-    return Design(transform, parameters, scale, motion, tuple(pieces), pins, telescope, tuple(warnings))
+    pins = () if pivot is None else (HingePin(parameters.pivot, parameters.pin_mm, pivot.length, count),)
+    return Design(transform, parameters, scale, motion, tuple(pieces), pins, pivot, telescope, tuple(warnings))
 
 
 def _motion(transform: Transform, parameters: FabricationParameters, scale: float) -> Motion:
     """The transform's plan if the pieces of this design are within the bodies that it was planned for."""
-    gap, relief = parameters.gap_mm / scale, parameters.relief_radius / scale
+    gap, relief = parameters.gap_mm / scale, (knuckle_radius(parameters) + parameters.gap_mm) / scale
     motion = motion_of(transform)
     if motion.gap <= gap * SAME_CLEARANCE_RATIO and motion.relief <= relief * SAME_CLEARANCE_RATIO:
         return motion
@@ -84,62 +85,62 @@ def _motion(transform: Transform, parameters: FabricationParameters, scale: floa
     return plan_motion(transform, MotionParameters(gap=gap / side, relief=relief / side))
 
 
+def upper_pieces(motion: Motion) -> frozenset[int]:
+    """The pieces that have the upper knuckles at both of their hinges: every other one along the chain.
+
+    Such a piece prints upside down, the others as they lie: then no knuckle starts in the air. What lifts at a
+    telescopic hinge is upper there.
+
+    Raises `riot.errors.FabricationError` if two lifts contradict each other.
+    """
+    n = len(motion.chain.lengths)
+    position = {(motion.open_hinge + k) % n: k for k in range(n)}
+    parities = {position[hinge] % 2 for hinge in motion.lifted}
+    if len(parities) > 1:
+        hinges = " and ".join(map(str, sorted(motion.lifted)))
+        raise FabricationError(
+            "supports",
+            f"hinges {hinges} lift an odd number of pieces apart, so that a piece between them has knuckles above and "
+            "below and does not print without supports: no parameter helps; take another transform (--pieces, --rank)",
+        )
+    first = min(parities, default=1)
+    return frozenset(piece for piece, k in position.items() if k % 2 == first)
+
+
 def _ends(
-    motion: Motion, parameters: FabricationParameters, telescope: Telescope | None, scale: float
+    motion: Motion, parameters: FabricationParameters, pivot: Pivot | None, telescope: Telescope | None, scale: float
 ) -> list[tuple[HingeEnd, HingeEnd]]:
     """Start and end of every piece."""
-    n = len(motion.chain.lengths)
-    return [
-        (
-            _female(i, motion, parameters, telescope),
-            _male((i + 1) % n, scale * float(motion.chain.lengths[i]), motion, parameters, telescope),
-        )
-        for i in range(n)
-    ]
+    n, upper = len(motion.chain.lengths), upper_pieces(motion)
+
+    def end(piece: int, hinge: int, x: float) -> HingeEnd:
+        return _end(hinge, x, "upper" if piece in upper else "lower", motion, parameters, pivot, telescope)
+
+    return [(end(i, i, 0.0), end(i, (i + 1) % n, scale * float(motion.chain.lengths[i]))) for i in range(n)]
 
 
-def _kind(hinge: int, motion: Motion) -> Kind:
-    if hinge == motion.open_hinge:
-        return "open"
-    return "telescopic" if hinge in motion.lifted else "pin"
-
-
-def _female(hinge: int, motion: Motion, parameters: FabricationParameters, telescope: Telescope | None) -> HingeEnd:
-    """The start of the piece after a hinge; of a telescopic one the upper side, with the rod."""
-    kind, height = _kind(hinge, motion), parameters.height
-    if kind == "open":
-        return HingeEnd(hinge, kind, "none", 0.0, 0.0, (), (), 0.0)
-    if kind == "telescopic":
-        assert telescope is not None
-        relief_radius = telescope.radius + parameters.gap_mm + OUTLINE_SPARE_MM
-        return HingeEnd(hinge, kind, "male", 0.0, 0.0, telescope.rod, ((0.0, telescope.cap_height),), relief_radius)
-    lower, _, _, upper = parameters.levels
-    radius, hole = parameters.knuckle_radius, 0.5 * parameters.pin_mm + parameters.play_mm
-    rings = Ring(0.0, lower, radius, hole), Ring(upper, height, radius, hole)
-    return HingeEnd(
-        hinge, kind, "female", 0.0, 0.0, rings, ((lower, upper),), parameters.relief_radius + OUTLINE_SPARE_MM
-    )
-
-
-def _male(
-    hinge: int, x: float, motion: Motion, parameters: FabricationParameters, telescope: Telescope | None
+def _end(
+    hinge: int,
+    x: float,
+    role: Role,
+    motion: Motion,
+    parameters: FabricationParameters,
+    pivot: Pivot | None,
+    telescope: Telescope | None,
 ) -> HingeEnd:
-    """The end of the piece before a hinge; of a telescopic one the lower side, with the barrel."""
-    kind, height = _kind(hinge, motion), parameters.height
-    if kind == "open":
-        return HingeEnd(hinge, kind, "none", x, 0.0, (), (), 0.0)
+    if hinge == motion.open_hinge:
+        return HingeEnd(hinge, "open", "none", x, 0.0, (), (), 0.0)
+    kind: Kind = "telescopic" if hinge in motion.lifted else "pin"
     if kind == "telescopic":
         assert telescope is not None
-        relief_radius = telescope.radius + parameters.gap_mm + OUTLINE_SPARE_MM
-        return HingeEnd(
-            hinge, kind, "female", x, 0.0, telescope.barrel, ((telescope.barrel_height, height),), relief_radius
-        )
-    _, low, high, _ = parameters.levels
-    radius, hole = parameters.knuckle_radius, 0.5 * parameters.pin_mm + parameters.clearance_mm
-    rings = (Ring(low, high, radius, hole),)
-    return HingeEnd(
-        hinge, kind, "male", x, 0.0, rings, ((0.0, low), (high, height)), parameters.relief_radius + OUTLINE_SPARE_MM
-    )
+        low, high, radius = telescope.barrel_height, telescope.cap_height, telescope.radius
+        rings = telescope.barrel if role == "lower" else telescope.rod
+    else:
+        assert pivot is not None
+        (low, high), radius = parameters.levels, pivot.radius
+        rings = pivot.lower if role == "lower" else pivot.upper
+    relief = (low, parameters.height) if role == "lower" else (0.0, high)
+    return HingeEnd(hinge, kind, role, x, 0.0, rings, (relief,), radius + parameters.gap_mm + OUTLINE_SPARE_MM)
 
 
 def _piece(
@@ -158,6 +159,7 @@ def _piece(
         *ends,
         make_slabs(index, body, ends, parameters),
         1.0 - float(body.area) / float(outline.area),
+        any(end.role == "upper" for end in ends),
     )
 
 
@@ -177,9 +179,6 @@ def _weaknesses(piece: PieceDesign, raw: FloatArray, parameters: FabricationPara
             f"{piece.name}: only {wall:.1f} mm wide at its narrowest, where {wanted:g} mm would be strong: "
             f"a larger {widening_parameter(piece, wanted)} makes that place wider"
         )
-    hinged = sum(math.pi * end.relief_radius**2 for end in (piece.start, piece.end)) / signed_area(piece.outline)
-    if hinged > LARGE_HINGE_SHARE:
-        warnings.append(f"{piece.name}: its hinges are {hinged:.0%} as large as it: a larger size_mm helps")
     if piece.lost > LARGE_LOSS_SHARE:
         warnings.append(f"{piece.name}: other pieces' hinges take {piece.lost:.1%} of it; a smaller pin_mm takes less")
     return warnings

@@ -6,7 +6,7 @@ The check measures layers and solids; it does not trust how the design made them
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import shapely
@@ -14,16 +14,20 @@ import shapely
 from riot.errors import needs_extra
 from riot.fabricate.model import Design, HingeEnd, PieceDesign, Slab
 from riot.fabricate.outlines import disc
+from riot.fabricate.rings import Ring
 from riot.fabricate.solid import Part, common_volume
 from riot.fabricate.tuning import (
     DISC_SIDES,
     GAP_SEARCH_MM,
+    HEIGHT_TOLERANCE_MM,
     KNUCKLE_SHARE,
     LENGTH_TOLERANCE_MM,
     OVERLAP_TOLERANCE_MM3,
     PAST_STOP_LAYERS,
     PAST_STOP_MM,
+    PULL_LAYERS,
     PULL_SHARES,
+    SLOPE,
     STOP_SLACK_MM,
 )
 
@@ -33,17 +37,20 @@ with needs_extra("print"):
 
 @dataclass(frozen=True)
 class HingeCheck:
-    """One hinge: gaps between its knuckles along the axis, and between pin and holes in radius; mm.
+    """One hinge: mm.
 
-    Of a telescopic hinge ``axial_gap`` is that between cap and barrel, ``male_gap`` that of rod and sleeve, and
-    ``female_gap`` that of sleeve and barrel.
+    ``axial_gap`` is the gap between its knuckles, or between cap and barrel, along the axis; ``turning_gap`` that in
+    radius between the pin and the knuckle that turns on it, or the least between the cylinders of a telescopic hinge;
+    ``interference`` how much thicker the pin is than the hole that holds it, None where a nut or nothing does;
+    ``pull`` how far the two pieces can be pulled apart along the axis until the pin's head, or a ledge, stops them.
     """
 
     hinge: int
     kind: str
     axial_gap: float
-    male_gap: float
-    female_gap: float
+    turning_gap: float
+    interference: float | None
+    pull: float
     failures: tuple[str, ...] = field(default=())
 
 
@@ -60,28 +67,60 @@ def check_hinges(design: Design, parts: tuple[Part, ...]) -> tuple[HingeCheck, .
 
 
 def _check_pin(design: Design, before: PieceDesign, after: PieceDesign) -> HingeCheck:
-    """The male knuckle is the end of ``one``, the female ones the start of ``two``."""
-    parameters, hinge = design.parameters, after.start.hinge
-    radius = 0.5 * parameters.pin_mm
-    male, female = _knuckle_slabs(before.slabs, before.end), _knuckle_slabs(after.slabs, after.start)
-    axial = min((max(b.low - a.high, a.low - b.high) for a in male for b in female), default=math.inf)
-    gaps = [
-        min((slab.section.distance(shapely.Point(end.x, end.y)) for slab in slabs), default=0.0) - radius
-        for slabs, end in ((male, before.end), (female, after.start))
-    ]
+    """One of the two pieces has the lower knuckle, the other the upper."""
+    parameters, hinge, pivot = design.parameters, after.start.hinge, design.pivot
+    assert pivot is not None
+    upside_down = before.end.role == "upper"
+    (lower, lower_end), (upper, upper_end) = sorted(
+        ((before, before.end), (after, after.start)), key=lambda side: (side[0] is before) == upside_down
+    )
+    holding, turning = _knuckle_slabs(lower.slabs, lower_end), _knuckle_slabs(upper.slabs, upper_end)
+    axial = min((b.low - a.high for a in holding for b in turning), default=math.inf)
+    gap = _radial_gap(pivot.profile, turning, upper_end)
+    pull, lifted = math.inf, 0.0
+    while math.isinf(pull) and lifted < parameters.height:
+        lifted = round(lifted + parameters.layer_mm, 9)
+        raised = [replace(slab, low=slab.low + lifted, high=slab.high + lifted) for slab in turning]
+        pull = lifted if _radial_gap(pivot.profile, raised, upper_end) < -LENGTH_TOLERANCE_MM else math.inf
     failures = []
     if axial < parameters.axial_gap_mm - LENGTH_TOLERANCE_MM:
         failures.append(
             f"hinge {hinge}: knuckles of {before.name} and {after.name} are {axial:.2f} mm apart along the axis: "
             f"axial_gap_mm asks for {parameters.axial_gap_mm:g}"
         )
-    for role, gap, parameter in (("male", gaps[0], "clearance_mm"), ("female", gaps[1], "play_mm")):
-        if gap < getattr(parameters, parameter) - LENGTH_TOLERANCE_MM:
+    if gap < parameters.clearance_mm - LENGTH_TOLERANCE_MM:
+        failures.append(
+            f"hinge {hinge}: the pin has {gap:.2f} mm around it in the knuckle that turns: clearance_mm asks for "
+            f"{parameters.clearance_mm:g}"
+        )
+    most = parameters.clearance_mm / SLOPE + PULL_LAYERS * parameters.layer_mm
+    if pull > most + LENGTH_TOLERANCE_MM:
+        failures.append(
+            f"hinge {hinge}: its knuckle comes off the pin, whose head does not hold it: lessen clearance_mm"
+        )
+    interference = None
+    if pivot.interference is not None:
+        interference = -2.0 * _radial_gap(pivot.profile, holding, lower_end)
+        if abs(interference - pivot.interference) > 2.0 * LENGTH_TOLERANCE_MM:
             failures.append(
-                f"hinge {hinge}: the pin has {gap:.2f} mm around it in the {role} knuckle: {parameter} asks for "
-                f"{getattr(parameters, parameter):g}"
+                f"hinge {hinge}: the pin is {interference:.2f} mm thicker than the hole that holds it: press_mm asks "
+                f"for {pivot.interference:g}"
             )
-    return HingeCheck(hinge, "pin", float(axial), float(gaps[0]), float(gaps[1]), tuple(failures))
+    return HingeCheck(hinge, "pin", axial, gap, interference, pull, tuple(failures))
+
+
+def _radial_gap(profile: tuple[Ring, ...], slabs: list[Slab], end: HingeEnd) -> float:
+    """The least gap in radius between a pin and what is around it at the same height; negative if it is too thick."""
+    axis = shapely.Point(end.x, end.y)
+    return min(
+        (
+            float(slab.section.distance(axis)) - ring.radius
+            for ring in profile
+            for slab in slabs
+            if min(ring.high, slab.high) - max(ring.low, slab.low) > HEIGHT_TOLERANCE_MM
+        ),
+        default=math.inf,
+    )
 
 
 def _knuckle_slabs(slabs: tuple[Slab, ...], end: HingeEnd) -> list[Slab]:
@@ -128,4 +167,4 @@ def _check_telescope(design: Design, hinge: int, parts: tuple[Part, ...]) -> Hin
         failures.append(f"hinge {hinge}: its cylinders come apart: enlarge telescope_ledge_mm")
     if min(inner, outer) < min(parameters.telescope_gap_mm, parameters.layer_mm) - LENGTH_TOLERANCE_MM:
         failures.append(f"hinge {hinge}: its cylinders are {min(inner, outer):.2f} mm apart: enlarge telescope_gap_mm")
-    return HingeCheck(hinge, "telescopic", axial, inner, outer, tuple(failures))
+    return HingeCheck(hinge, "telescopic", axial, min(inner, outer), None, telescope.travel, tuple(failures))

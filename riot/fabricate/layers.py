@@ -9,8 +9,8 @@ import shapely
 from riot.errors import FabricationError
 from riot.fabricate.model import HingeEnd, Slab
 from riot.fabricate.outlines import disc, polygons_by_area, subtract
-from riot.fabricate.telescope import Ring
-from riot.fabricate.tuning import CRUMB_SHARE, GRID_MM, HEIGHT_DIGITS, SIZE_FACTOR, SLIT_REACH_MM
+from riot.fabricate.rings import Ring
+from riot.fabricate.tuning import CRUMB_SHARE, DISC_SIDES, GRID_MM, HEIGHT_DIGITS, SIZE_FACTOR, SLIT_REACH_MM
 from riot.parameters import FabricationParameters
 
 
@@ -72,7 +72,7 @@ def _disc_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:
 
 
 def _hole_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:
-    return disc(end.x, end.y, ring.hole, outside=True)
+    return disc(end.x, end.y, ring.hole, outside=True, sides=ring.sides or DISC_SIDES)
 
 
 def _slit_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import shapely
 
-from riot.fabricate.telescope import Ring, Telescope
+from riot.fabricate.pivot import Pivot
+from riot.fabricate.rings import Ring
+from riot.fabricate.telescope import Telescope
 from riot.parameters import FabricationParameters
 from riot.transform.motion import Motion
 from riot.transform.pose import Pose
@@ -16,7 +19,7 @@ from riot.transform.transform import Transform
 from riot.types import FloatArray
 
 Kind = Literal["pin", "telescopic", "open"]
-Role = Literal["male", "female", "none"]
+Role = Literal["lower", "upper", "none"]
 
 
 @dataclass(frozen=True)
@@ -29,12 +32,13 @@ class HingeEnd:
         Which hinge of the transform.
     kind : "pin", "telescopic" or "open"
         An open hinge has no knuckles: it joins nothing.
-    role : "male", "female" or "none"
-        Male: the middle knuckle, or the rod of a telescopic hinge; female: the outer two, or the barrel.
+    role : "lower", "upper" or "none"
+        Lower: the knuckle that holds the pin, or the barrel of a telescopic hinge; upper: the one that turns, or the
+        rod. Both ends of a piece have the same.
     x, y : float
         The axis in the piece's frame, mm.
     rings : tuple of Ring
-        The knuckles, or the barrel, or the rod and its cap.
+        The knuckle, or the barrel, or the rod and its cap.
     relief : tuple of (float, float)
         Heights between which the piece makes room for its neighbour's knuckles, mm.
     relief_radius : float
@@ -54,11 +58,6 @@ class HingeEnd:
     def radius(self) -> float:
         """Of the widest knuckle, mm; 0 at an open hinge."""
         return max((ring.radius for ring in self.rings), default=0.0)
-
-    @property
-    def hole_mm(self) -> float:
-        """Diameter of the pin's hole; 0 if there is none."""
-        return 2.0 * max((ring.hole for ring in self.rings), default=0.0) if self.kind == "pin" else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +94,8 @@ class PieceDesign:
         The solid, from the lowest layer up.
     lost : float
         Share of the outline's area that other pieces' knuckles take.
+    upside_down : bool
+        Whether it is printed lying on its upper face.
     """
 
     index: int
@@ -105,6 +106,7 @@ class PieceDesign:
     end: HingeEnd
     slabs: tuple[Slab, ...]
     lost: float
+    upside_down: bool
 
     @property
     def name(self) -> str:
@@ -117,6 +119,12 @@ class PieceDesign:
         return filled(shapely.union_all([slab.section for slab in self.slabs]))
 
     @property
+    def hinge_share(self) -> float:
+        """Area of the discs in which its hinges turn over the area of its outline."""
+        discs = sum(math.pi * end.relief_radius**2 for end in (self.start, self.end))
+        return discs / float(shapely.Polygon(self.outline).area)
+
+    @property
     def volume(self) -> float:
         """Sum of the layers', mm³."""
         return sum(slab.volume for slab in self.slabs)
@@ -124,8 +132,9 @@ class PieceDesign:
 
 @dataclass(frozen=True)
 class HingePin:
-    """Pivot pins of one kind: diameter and length in mm, and how many."""
+    """What pin hinges turn on: printed pins, rods to be cut to length, or screws with nuts; mm, and how many."""
 
+    kind: Literal["printed", "rod", "screw"]
     diameter: float
     length: float
     count: int
@@ -145,8 +154,10 @@ class Design:
         The planned motion that the pieces are cleared for.
     pieces : tuple of PieceDesign
         In chain order.
-    pins : tuple of Pin
+    pins : tuple of HingePin
         Empty if no hinge has one.
+    pivot : Pivot or None
+        The pin hinges, if there are any.
     telescope : Telescope or None
         The telescopic hinges, if the motion lifts any.
     warnings : tuple of str
@@ -159,6 +170,7 @@ class Design:
     motion: Motion
     pieces: tuple[PieceDesign, ...]
     pins: tuple[HingePin, ...]
+    pivot: Pivot | None
     telescope: Telescope | None
     warnings: tuple[str, ...]
 

@@ -11,8 +11,9 @@ import shapely
 
 from riot.errors import needs_extra
 from riot.fabricate.clearance import Proof, least_gaps, make_regions, proven, proven_at_hinge
+from riot.fabricate.layers import rings_slabs
 from riot.fabricate.model import Design, Slab
-from riot.fabricate.solid import Part, common_volume
+from riot.fabricate.solid import Part, common_volume, extruded
 from riot.fabricate.sub_chains import SubChain, sub_chains
 from riot.fabricate.tuning import (
     HEIGHT_TOLERANCE_MM,
@@ -36,7 +37,7 @@ class MotionCheck:
     floor : float
         What two pieces must keep between them.
     proven : bool
-        That they do at every moment of the motion, at every height; ``looked`` poses of two pieces show it.
+        That they do at every moment of the motion, at every height; ``examined`` poses of two pieces show it.
     gap : float
         The least gap found among samples of the motion; hinged pieces count outside the room of their hinge.
     poses : int
@@ -157,14 +158,15 @@ def placed_parts(design: Design, parts: tuple[Part, ...], t: float) -> list[tupl
     """Every piece, pin and sleeve where the motion has it at time t, mm, with its name."""
     pose, heights = design.motion.pose_at(t), design.lift * design.motion.levels_at(t)
     named = {part.name: part.solid for part in parts}
+    pin = None if design.pivot is None else extruded(rings_slabs(design.pivot.profile))
     placed = []
     for i, piece in enumerate(design.pieces):
         x, y = (design.scale * pose.origins[i]).tolist()
         z, turn = float(heights[i]), float(pose.headings[i])
         c, s = math.cos(turn), math.sin(turn)
         placed.append((piece.name, named[piece.name].transform(((c, -s, 0.0, x), (s, c, 0.0, y), (0.0, 0.0, 1.0, z)))))
-        if piece.start.kind == "pin":
-            placed.append((f"the pin of hinge {i}", named["pin"].translate((x, y, z))))
+        if piece.start.kind == "pin" and pin is not None:
+            placed.append((f"the pin of hinge {i}", pin.translate((x, y, z))))
         elif piece.start.kind == "telescopic" and design.telescope is not None:
             ground = float(heights[i - 1])
             risen = (z - ground) * design.telescope.sleeve_travel / design.telescope.travel
@@ -173,10 +175,22 @@ def placed_parts(design: Design, parts: tuple[Part, ...], t: float) -> list[tupl
     return placed
 
 
+def pressed_pairs(design: Design) -> list[set[str]]:
+    """Names of a pin and of the piece whose hole it is pressed into, for every hinge: these overlap."""
+    return [
+        {f"the pin of hinge {piece.index}", (design.pieces[piece.index - 1] if piece.upside_down else piece).name}
+        for piece in design.pieces
+        if piece.start.kind == "pin"
+    ]
+
+
 def _overlap(design: Design, parts: tuple[Part, ...], t: float) -> tuple[float, str]:
     """The greatest volume that two parts have in common at time t, and which two."""
     worst, pair = 0.0, ""
+    pressed = pressed_pairs(design)
     for (name, solid), (other, other_solid) in combinations(placed_parts(design, parts, t), 2):
+        if {name, other} in pressed:
+            continue
         common = common_volume(solid, other_solid)
         if common > worst:
             worst, pair = common, f"{name} and {other}"

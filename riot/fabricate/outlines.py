@@ -26,10 +26,10 @@ from riot.parameters import FabricationParameters
 from riot.types import FloatArray
 
 
-def disc(x: float, y: float, radius: float, *, outside: bool = False) -> shapely.Polygon:
-    """A regular polygon in a circle, or around it if ``outside``; mm."""
-    around = 2.0 * math.pi * (np.arange(DISC_SIDES) + 0.5) / DISC_SIDES
-    reach = radius / math.cos(math.pi / DISC_SIDES) if outside else radius
+def disc(x: float, y: float, radius: float, *, outside: bool = False, sides: int = DISC_SIDES) -> shapely.Polygon:
+    """A regular polygon in a circle, or around it if ``outside``, with upright sides; mm."""
+    around = 2.0 * math.pi * (np.arange(sides) + 0.5) / sides
+    reach = radius / math.cos(math.pi / sides) if outside else radius
     points = np.array([x, y]) + reach * np.stack([np.cos(around), np.sin(around)], axis=1)
     return shapely.Polygon(np.round(points / GRID_MM) * GRID_MM)
 
@@ -82,7 +82,9 @@ def narrowest(piece: PieceDesign) -> float:
     """Least width in mm of a piece's layers, pin holes filled, where more than a third of a knuckle hangs on it."""
     knuckle = max(piece.start.radius, piece.end.radius)
     least = math.pi * knuckle * knuckle / KNUCKLES_PER_NECK
-    return min(_neck(region, least, knuckle) for slab in piece.slabs for region in _large(slab.section, least))
+    # Layers that differ in their pin holes only are the same here.
+    regions = {region.wkb: region for slab in piece.slabs for region in _large(slab.section, least)}
+    return min(_neck(region, least, knuckle) for region in regions.values())
 
 
 def widening_parameter(piece: PieceDesign, width: float) -> str:

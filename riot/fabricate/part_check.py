@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import shapely
+from shapely import affinity
 
 from riot.errors import needs_extra
-from riot.fabricate.model import PieceDesign
+from riot.fabricate.model import Design, PieceDesign
 from riot.fabricate.outlines import narrowest, widening_parameter
+from riot.fabricate.overhang import SupportCheck, check_supports
+from riot.fabricate.pivot import knuckle_radius
 from riot.fabricate.solid import Part, genus
 from riot.fabricate.tuning import (
+    FILAMENT_MM,
+    LARGEST_HINGE_SHARE,
     LEAST_WALL_MM,
+    OUTLINE_SPARE_MM,
     VOLUME_TOLERANCE,
 )
+from riot.parameters import FabricationParameters
 
 with needs_extra("print"):
     import manifold3d
@@ -22,8 +31,9 @@ with needs_extra("print"):
 class PartCheck:
     """One part: what manifold3d says of it beside what its flat layers say; mm, mm³.
 
-    ``wall`` is the least width of a layer, pin holes filled; NaN for what is not a piece.
-    ``mend`` is the parameter to enlarge if a check fails.
+    ``wall`` is the least width of a layer, pin holes filled, ``hinge_share`` what its hinges take of its area; NaN for
+    what is not a piece. ``mend`` is the parameter to change if a check fails, ``value`` the least value of it that
+    will do, NaN if that is not known.
     """
 
     name: str
@@ -35,12 +45,16 @@ class PartCheck:
     genus: int
     layers_genus: int
     wall: float
+    hinge_share: float
+    supports: SupportCheck
     mend: str
+    value: float
     failures: tuple[str, ...] = field(default=())
 
 
-def check_part(part: Part, piece: PieceDesign | None) -> PartCheck:
+def check_part(part: Part, design: Design) -> PartCheck:
     """Verify one part by itself."""
+    piece = next((piece for piece in design.pieces if piece.name == part.name), None)
     status = part.solid.status()
     volume, expected = part.volume, sum(slab.volume for slab in part.slabs)
     components = len(part.solid.decompose())
@@ -55,13 +69,19 @@ def check_part(part: Part, piece: PieceDesign | None) -> PartCheck:
         failures.append(f"{part.name} has {volume:.3f} mm³ where its layers have {expected:.3f}")
     if handles != expected_handles:
         failures.append(f"{part.name} has {handles} handles where its layers have {expected_handles}")
-    mend = "size_mm"
+    mend, value = "size_mm", math.nan
     if piece is not None and wall < LEAST_WALL_MM:
         mend = widening_parameter(piece, LEAST_WALL_MM)
         failures.append(
-            f"{part.name} (hinges {piece.start.hinge} and {piece.end.hinge}) is only {wall:.2f} mm wide where a "
+            f"{part_words(piece)} is only {wall:.2f} mm wide where a "
             f"knuckle or a good part of it hangs on it, less than {LEAST_WALL_MM:g}: enlarge {mend}"
         )
+    if piece is not None and piece.hinge_share > LARGEST_HINGE_SHARE:
+        mend, value = "size_mm", size_for_hinges(piece, design)
+        failures.append(_large_hinges(piece, design, value))
+    supports = check_supports(part, design.parameters.layer_mm)
+    failures += supports.failures
+    share = math.nan if piece is None else piece.hinge_share
     return PartCheck(
         part.name,
         part.count,
@@ -72,6 +92,55 @@ def check_part(part: Part, piece: PieceDesign | None) -> PartCheck:
         handles,
         expected_handles,
         wall,
+        share,
+        supports,
         mend,
+        value,
         tuple(failures),
     )
+
+
+def size_for_hinges(piece: PieceDesign, design: Design, parameters: FabricationParameters | None = None) -> float:
+    """The least size in whole mm at which a piece's hinges take no more than the largest share of it.
+
+    With other ``parameters`` the hinges are theirs.
+    """
+    parameters = parameters or design.parameters
+    raw = shapely.Polygon(design.transform.pieces[piece.index].polygon)
+    unit = design.scale / design.parameters.size_mm
+    pin = knuckle_radius(parameters) + parameters.gap_mm + OUTLINE_SPARE_MM
+    radii = [pin if end.kind == "pin" else end.relief_radius for end in (piece.start, piece.end)]
+    needed = math.pi * sum(radius**2 for radius in radii) / LARGEST_HINGE_SHARE
+    size = math.floor(math.sqrt(needed / raw.area) / unit)
+    while (
+        affinity.scale(raw, size * unit, size * unit).buffer(-0.5 * parameters.gap_mm - OUTLINE_SPARE_MM).area < needed
+    ):
+        size += 1
+    return float(size)
+
+
+def _large_hinges(piece: PieceDesign, design: Design, size: float) -> str:
+    """What is wrong with a piece's hinges, and each way out with the size at which it holds."""
+    parameters = design.parameters
+    ways = [f"enlarge size_mm ({parameters.size_mm:g}) to {size:g}"]
+    thin = replace(parameters, wall_mm=LEAST_WALL_MM)
+    if knuckle_radius(thin) < knuckle_radius(parameters):
+        ways.append(f"thin wall_mm ({parameters.wall_mm:g}) to {LEAST_WALL_MM:g}{_at(piece, design, thin)}")
+    filament = replace(parameters, pivot="rod", pin_mm=FILAMENT_MM)
+    if knuckle_radius(filament) < knuckle_radius(parameters):
+        ways.append(f"take filament for pins (pivot=rod, pin_mm={FILAMENT_MM:g}){_at(piece, design, filament)}")
+    ways.append("take a transform of fewer pieces (riot make --pieces)")
+    return (
+        f"{part_words(piece)}: its hinges are {piece.hinge_share:.0%} as large as it, more than "
+        f"{LARGEST_HINGE_SHARE:.0%}: {'; or '.join(ways)}"
+    )
+
+
+def _at(piece: PieceDesign, design: Design, parameters: FabricationParameters) -> str:
+    size = size_for_hinges(piece, design, parameters)
+    return "" if size <= parameters.size_mm else f" and enlarge size_mm to {size:g}"
+
+
+def part_words(piece: PieceDesign) -> str:
+    """A piece and its hinges in words."""
+    return f"{piece.name} (hinges {piece.start.hinge} and {piece.end.hinge})"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
@@ -12,7 +12,7 @@ import shapely
 from riot.errors import needs_extra
 from riot.fabricate.layers import rings_slabs
 from riot.fabricate.model import Design, Slab, polygons
-from riot.fabricate.outlines import disc
+from riot.fabricate.rings import Ring
 from riot.fabricate.tuning import SLIVER_MM2
 from riot.types import FloatArray, IntArray
 
@@ -27,20 +27,30 @@ class Part:
     Parameters
     ----------
     name : str
-        As in file names: ``piece-1``, ``pin``, ``sleeve``.
-    kind : "piece", "pin" or "sleeve"
+        As in file names: ``piece-1``, ``pin``, ``cap``, ``sleeve``.
+    kind : "piece", "pin", "cap" or "sleeve"
     count : int
     slabs : tuple of Slab
         Its layers, from the design.
     solid : manifold3d.Manifold
         In mm; a piece in its own frame, the others around the z-axis, all from z = 0 up.
+    upside_down : bool
+        Whether it is printed so.
     """
 
     name: str
-    kind: Literal["piece", "pin", "sleeve"]
+    kind: Literal["piece", "pin", "cap", "sleeve"]
     count: int
     slabs: tuple[Slab, ...]
     solid: manifold3d.Manifold
+    upside_down: bool = False
+
+    @property
+    def printed(self) -> manifold3d.Manifold:
+        """The solid as it lies on the printer's bed, z = 0; turned around the x-axis if it is upside down."""
+        return (
+            self.solid.rotate((180.0, 0.0, 0.0)).translate((0.0, 0.0, self.size[2])) if self.upside_down else self.solid
+        )
 
     @property
     def volume(self) -> float:
@@ -54,11 +64,11 @@ class Part:
         return box[3] - box[0], box[4] - box[1], box[5] - box[2]
 
     def mesh(self) -> tuple[FloatArray, IntArray]:
-        """(v, 3) points in mm and (f, 3) triangles, counter-clockwise seen from outside.
+        """(v, 3) points in mm and (f, 3) triangles, counter-clockwise seen from outside, as it is printed.
 
         In an order that depends on the solid alone: points by x, y, z, triangles by their points.
         """
-        mesh = self.solid.to_mesh64()
+        mesh = self.printed.to_mesh64()
         points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
         triangles = np.array(mesh.tri_verts, dtype=np.int64)
         order = np.lexsort(points.T[::-1])
@@ -69,17 +79,27 @@ class Part:
 
 
 def make_parts(design: Design) -> tuple[Part, ...]:
-    """The solids of a design: every piece, the pin, and the sleeve of its telescopic hinges."""
-    parts = [Part(piece.name, "piece", 1, piece.slabs, extruded(piece.slabs)) for piece in design.pieces]
-    for pin in design.pins:
-        slab = Slab(0.0, pin.length, disc(0.0, 0.0, 0.5 * pin.diameter))
-        parts.append(Part("pin", "pin", pin.count, (slab,), extruded((slab,))))
+    """The printed parts: every piece, pins or the caps of rods, and the sleeve of its telescopic hinges."""
+    parts = [
+        Part(piece.name, "piece", 1, piece.slabs, extruded(piece.slabs), piece.upside_down) for piece in design.pieces
+    ]
+    if design.pivot is not None:
+        count = sum(pin.count for pin in design.pins)
+        if design.parameters.pivot == "printed":
+            parts.append(_round_part("pin", count, design.pivot.profile, upside_down=True))
+        elif design.parameters.pivot == "rod":
+            parts.append(_round_part("cap", count, design.pivot.cap, upside_down=True))
     if design.telescope is not None:
-        nested = rings_slabs(design.telescope.sleeve)
-        foot = nested[0].low
-        slabs = tuple(Slab(slab.low - foot, slab.high - foot, slab.section) for slab in nested)
-        parts.append(Part("sleeve", "sleeve", design.sleeves, slabs, extruded(slabs)))
+        parts.append(_round_part("sleeve", design.sleeves, design.telescope.sleeve))
     return tuple(parts)
+
+
+def _round_part(
+    kind: Literal["pin", "cap", "sleeve"], count: int, rings: tuple[Ring, ...], *, upside_down: bool = False
+) -> Part:
+    foot = rings[0].low
+    slabs = rings_slabs(tuple(replace(ring, low=ring.low - foot, high=ring.high - foot) for ring in rings))
+    return Part(kind, kind, count, slabs, extruded(slabs), upside_down)
 
 
 def extruded(slabs: tuple[Slab, ...]) -> manifold3d.Manifold:

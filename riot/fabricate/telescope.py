@@ -3,41 +3,28 @@
 The lower piece carries the barrel. The upper piece carries the rod, hanging from a cap over the barrel. The sleeve is a
 part by itself: pushed into the barrel from below, past a lip, its flange stops under the barrel's ledge; the rod's
 knob, pushed in from above, stops under the sleeve's ledge. So the upper piece lifts by more than its own thickness and
-does not come off.
+does not come off. Ledges, flange and knob slope: barrel and sleeve print as they stand, the rod upside down.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from riot.errors import FabricationError
+from riot.fabricate.rings import Ring, steps, taper, whole_layers
 from riot.fabricate.tuning import (
     CAP_SHARE_DIVISOR,
     LEAST_CAP_MM,
     LEAST_ROD_MM,
-    LEDGE_HEIGHT_MM,
     LEDGE_OVER_GAP_MM,
+    LEDGE_RIM_MM,
     LIP_HEIGHT_MM,
     SLIT_SHARE,
     SNAP_MM,
     SPARE_TRAVEL_MM,
 )
 from riot.parameters import FabricationParameters
-
-
-@dataclass(frozen=True)
-class Ring:
-    """What lies around a hinge's axis between two heights: a disc with a round hole, or none, and a slit, or none.
-
-    ``low``, ``high``, ``radius``, ``hole`` (radius) and ``slit`` (width, along the piece's edge) in mm.
-    """
-
-    low: float
-    high: float
-    radius: float
-    hole: float = 0.0
-    slit: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -79,26 +66,34 @@ class Telescope:
 class _Heights:
     """Heights over the pieces' lower face when pushed together, and thicknesses, in whole layers; mm.
 
-    ``ledge`` is how thick ledges, flange and knob are, ``lip`` the barrel's lip, ``seat`` where the sleeve stands,
-    ``top`` where barrel and sleeve end, ``eaves`` where the cap begins, ``split`` where the rod's slit ends.
+    ``rim`` is how thick ledges, flange and knob are before they slope, ``lip`` the barrel's lip, ``seat`` where the
+    sleeve stands, ``top`` where barrel and sleeve end, ``slope`` the height of a ledge's slope without its last layer,
+    ``nested`` how far the slopes go into each other, ``eaves`` where the cap begins, ``split`` where the slit ends.
     """
 
-    ledge: float
+    rim: float
     lip: float
     seat: float
     top: float
+    slope: float
+    nested: float
     eaves: float
     split: float
 
     @property
+    def ledge(self) -> float:
+        """Where a ledge begins to slope."""
+        return round(self.top - self.rim - self.slope, 9)
+
+    @property
     def sleeve_travel(self) -> float:
         """How far the sleeve rises in the barrel."""
-        return round(self.top - 2.0 * self.ledge - self.seat, 9)
+        return round(self.ledge - self.rim - self.seat + self.nested, 9)
 
     @property
     def rod_travel(self) -> float:
         """How far the rod rises in the sleeve."""
-        return round(self.top - 2.0 * self.ledge, 9)
+        return round(self.ledge - self.rim + self.nested, 9)
 
 
 def make_telescope(parameters: FabricationParameters) -> Telescope:
@@ -126,21 +121,31 @@ def make_telescope(parameters: FabricationParameters) -> Telescope:
     flange = bore - gap
     radius = bore + wall
     slit = min(rod, 2.0 * (knob - inner_mouth))
-    foot, under = round(z.seat + z.ledge, 9), round(z.top - z.ledge, 9)
+    foot = round(z.seat + z.rim, 9)
+
+    def ledge(outside: float, wide: float, narrow: float) -> list[Ring]:
+        slope = taper(z.ledge, wide, narrow, parameters.layer_mm)
+        rings = [Ring(ring.low, ring.high, outside, ring.radius) for ring in slope]
+        return [*rings[:-1], replace(rings[-1], high=z.top)]
+
+    def bulge(low: float, high: float, wide: float, narrow: float) -> list[Ring]:
+        slope = taper(low, wide, narrow, parameters.layer_mm)
+        return [*slope[:-1], replace(slope[-1], high=high)]
+
+    sleeve_rings = [Ring(z.seat, foot, flange), *bulge(foot, z.ledge, flange, sleeve)]
+    rod_rings = [Ring(0.0, z.rim, knob), *bulge(z.rim, z.split, knob, rod)]
     return Telescope(
         barrel=(
             Ring(0.0, z.lip, radius, flange - SNAP_MM),
-            Ring(z.lip, under, radius, bore),
-            Ring(under, z.top, radius, mouth),
+            Ring(z.lip, z.ledge, radius, bore),
+            *ledge(radius, bore, mouth),
         ),
         sleeve=(
-            Ring(z.seat, foot, flange, inner_bore),
-            Ring(foot, under, sleeve, inner_bore),
-            Ring(under, z.top, sleeve, inner_mouth),
+            *(replace(ring, hole=inner_bore) for ring in sleeve_rings),
+            *ledge(sleeve, inner_bore, inner_mouth),
         ),
         rod=(
-            Ring(0.0, z.ledge, knob, slit=slit),
-            Ring(z.ledge, z.split, rod, slit=slit),
+            *(replace(ring, slit=slit) for ring in rod_rings),
             Ring(z.split, z.eaves, rod),
             Ring(z.eaves, parameters.height, radius),
         ),
@@ -154,16 +159,20 @@ def _heights(parameters: FabricationParameters) -> _Heights:
     height, layer = parameters.height, parameters.layer_mm
 
     def layers(length: float) -> float:
-        return round(math.ceil(round(length / layer, 6)) * layer, 9)
+        return whole_layers(length, layer)
 
-    ledge, lip, seam = layers(LEDGE_HEIGHT_MM), layers(LIP_HEIGHT_MM), parameters.axial_gap
+    count = steps(parameters.telescope_ledge_mm, layer)
+    slope = round((count - 1) * layer, 9)
+    nested = math.floor(round(parameters.telescope_gap_mm * count / parameters.telescope_ledge_mm, 6)) * layer
+    rim, lip, seam = layers(LEDGE_RIM_MM), layers(LIP_HEIGHT_MM), parameters.axial_gap
     seat = round(lip + layer, 9)
-    fixed = 4.0 * ledge + seat + 2.0 * seam
+    fixed = 4.0 * rim + 2.0 * (slope - nested) + seat + 2.0 * seam
     least_cap = layers(LEAST_CAP_MM)
     cap = max(least_cap, layers(0.5 * (2.0 * height - fixed - parameters.travel - SPARE_TRAVEL_MM)) - layer)
     cap = min(cap, max(least_cap, layers(height / CAP_SHARE_DIVISOR)))
     top = round(height - cap - seam, 9)
-    heights = _Heights(ledge, lip, seat, top, round(height - cap, 9), layers(SLIT_SHARE * top))
+    split = max(layers(SLIT_SHARE * top), round(rim + count * layer, 9))
+    heights = _Heights(rim, lip, seat, top, slope, nested, round(height - cap, 9), split)
     if heights.sleeve_travel <= 0.0 or round(heights.sleeve_travel + heights.rod_travel - parameters.travel, 9) < 0.0:
         least = round(layers(fixed + 2.0 * least_cap + parameters.travel - height), 6)
         raise FabricationError(

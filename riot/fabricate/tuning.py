@@ -7,6 +7,7 @@ nozzle of 0.4 mm and layers of 0.2 mm; nothing here is measured on prints of our
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 # Flat regions
 
@@ -72,10 +73,47 @@ SHAVE_MARGIN_MM = 0.01
 SAME_CLEARANCE_RATIO = 1.005
 """Clearances whose ratio is less are the same: 0.35 mm of 120 mm are 0.00292, rounded."""
 
+# Slopes
+
+SLOPE = math.tan(math.radians(34.0))
+"""How far a slope leans out over its height: 34°, since slicers' presets ask for supports beyond 35°."""
+
+# Pin hinge
+
+HEAD_STEP_MM = 0.8
+"""mm: a pin's head, or a rod's cap, is so much wider than the pin all round; two lines of a nozzle of 0.4 mm."""
+
+HEAD_RIM_MM = 1.0
+"""mm: height of a head's straight rim, in whole layers; five layers of 0.2 mm, which hold a cap on its rod."""
+
+
+class Screw(NamedTuple):
+    """Countersunk screw and its nut, mm: diameter of the head, width across flats and height of the nut."""
+
+    head: float
+    across: float
+    nut: float
+
+
+SCREWS = {2.0: Screw(3.8, 4.0, 1.6), 2.5: Screw(4.7, 5.0, 2.0), 3.0: Screw(5.5, 5.5, 2.4), 4.0: Screw(8.4, 7.0, 3.2)}
+"""By nominal diameter: greatest heads of ISO 7046 and ISO 14581, and nuts of ISO 4032."""
+
+SCREW_LENGTHS_MM = (5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0)
+"""mm: preferred lengths of ISO 7046, heads included."""
+
+NUT_PLAY_MM = 0.1
+"""mm: a nut's pocket is so much larger on every side."""
+
+NUT_FLOOR_MM = 1.0
+"""mm: least height of the plastic that a nut pulls against; five layers of 0.2 mm."""
+
+PULL_LAYERS = 2.0
+"""Layers of the printer: a knuckle that is pulled so far beyond its clearance over `SLOPE` must meet its pin's head."""
+
 # Telescopic hinge
 
-LEDGE_HEIGHT_MM = 0.8
-"""mm: height of ledges, flange and knob, in whole layers; four layers of 0.2 mm."""
+LEDGE_RIM_MM = 0.4
+"""mm: height of the straight rim of ledges, flange and knob, in whole layers; two layers of 0.2 mm."""
 
 LIP_HEIGHT_MM = 0.6
 """mm: height of the barrel's lip, in whole layers; three layers of 0.2 mm, which must bend and snap back."""
@@ -109,9 +147,6 @@ NARROW_CORNER = math.radians(25.0)
 STRONG_WALL_MM = 1.6
 """mm: two such walls are strong enough, however thick the knuckles' are; makers: four lines of a nozzle of 0.4 mm."""
 
-LARGE_HINGE_SHARE = 0.5
-"""Share of a piece's area that discs around its hinges take before the design warns."""
-
 LARGE_LOSS_SHARE = 0.02
 """Share of a piece's area that other hinges take before the design warns."""
 
@@ -128,6 +163,15 @@ VOLUME_TOLERANCE = 1e-6
 
 OVERLAP_TOLERANCE_MM3 = 1e-6
 """mm³: two solids that share less do not overlap."""
+
+LARGEST_HINGE_SHARE = 0.25
+"""Share of a piece's area that discs around its hinges may take: beyond it the piece is hardly more than hinges."""
+
+STEEPEST = math.radians(45.0)
+"""Radians from the vertical: no wall may lean out further over the layer below; makers: the usual limit."""
+
+LONGEST_BRIDGE_MM = 8.0
+"""mm: no bridge between two sides of the layer below may be longer; makers: 10 mm and more bridge without supports."""
 
 LEAST_WALL_MM = 0.8
 """mm: nothing thinner prints reliably; makers: two lines of a nozzle of 0.4 mm."""

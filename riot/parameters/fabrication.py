@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from riot.parameters.field import ParameterGroup, parameter
 
@@ -12,6 +13,15 @@ MAKERS = "ours, from makers' literature"
 
 LIFT_MM = 1.0
 """A telescopic hinge lifts its piece by the thickness and so much more."""
+
+PIVOTS: Mapping[str, Mapping[str, float | str]] = {
+    "printed": {"pivot": "printed"},
+    "filament": {"pivot": "rod", "pin_mm": 1.75},
+    "rod": {"pivot": "rod", "pin_mm": 3.0},
+    "screw": {"pivot": "screw", "pin_mm": 3.0, "thickness_mm": 10.0},
+}
+"""What pins can be, by name: printed, a length of 1.75 mm filament, a steel rod of 3 mm, an M3 screw of 10 mm with its
+nut; and the parameters that go with it."""
 
 _ROUNDING = 1e-9
 """Shares of a layer that count as none when heights are counted in layers."""
@@ -30,7 +40,7 @@ class FabricationParameters(ParameterGroup):
         at_most=30,
         unit="mm",
         source=MAKERS,
-        meaning="Thickness of all pieces: three layers of knuckles. Rounded to whole layers of the printer.",
+        meaning="Thickness of all pieces: a knuckle on a knuckle. Rounded to whole layers of the printer.",
     )
     pin_mm: float = parameter(
         3.0,
@@ -46,15 +56,20 @@ class FabricationParameters(ParameterGroup):
         at_most=0.6,
         unit="mm",
         source=MAKERS,
-        meaning="Gap in radius between the pin and the hole of a male knuckle: it turns.",
+        meaning="Gap in radius between the pin and the hole of the upper knuckle, which turns on it.",
     )
-    play_mm: float = parameter(
-        0.2,
-        at_least=0.05,
-        at_most=0.5,
+    pivot: Literal["printed", "rod", "screw"] = parameter(
+        "printed",
+        source=MAKERS,
+        meaning="What a pin hinge turns on: a printed pin with a head, a rod with a printed cap, or a screw and nut.",
+    )
+    press_mm: float = parameter(
+        0.1,
+        at_least=0,
+        at_most=0.4,
         unit="mm",
         source=MAKERS,
-        meaning="Gap in radius between the pin and the hole of a female knuckle: the pin is pushed in.",
+        meaning="Interference in diameter: how much thicker a pin is than the holes that hold it.",
     )
     axial_gap_mm: float = parameter(
         0.3,
@@ -136,21 +151,10 @@ class FabricationParameters(ParameterGroup):
         return _layers(self.axial_gap_mm, self.layer_mm, math.ceil)
 
     @property
-    def levels(self) -> tuple[float, float, float, float]:
-        """Heights where knuckles of a pin hinge end and begin: female below, male, male, female above; mm."""
-        outer = _layers(self.height / 3.0 - 0.5 * self.axial_gap, self.layer_mm, math.floor)
-        inner = round(outer + self.axial_gap, 9)
-        return outer, inner, round(self.height - inner, 9), round(self.height - outer, 9)
-
-    @property
-    def knuckle_radius(self) -> float:
-        """Of a pin hinge: pin, clearance and wall, mm."""
-        return 0.5 * self.pin_mm + max(self.clearance_mm, self.play_mm) + self.wall_mm
-
-    @property
-    def relief_radius(self) -> float:
-        """Of the room a neighbour leaves for such a knuckle, mm."""
-        return self.knuckle_radius + self.gap_mm
+    def levels(self) -> tuple[float, float]:
+        """Heights where the lower knuckle of a pin hinge ends and the upper one begins, mm."""
+        lower = _layers(0.5 * (self.height - self.axial_gap), self.layer_mm, math.floor)
+        return lower, round(lower + self.axial_gap, 9)
 
     @property
     def travel(self) -> float:

@@ -8,6 +8,7 @@ from typing import get_args, get_type_hints
 from msgspec import Struct
 
 from riot.parameters import FabricationParameters, allowed_range
+from riot.parameters.fabrication import PIVOTS
 from riot.parameters.field import describe
 
 Value = float | int | bool | str
@@ -41,8 +42,10 @@ class Settings(Struct, frozen=True):
 
 PRESETS = [
     Preset("3D printer", {}),
-    Preset("3D printer, pins of filament", {"pin_mm": 1.75}),
-    Preset("fine 3D printer", {"layer_mm": 0.1, "clearance_mm": 0.25, "play_mm": 0.1, "gap_mm": 0.25}),
+    Preset("3D printer, pins of filament", dict(PIVOTS["filament"])),
+    Preset("3D printer, steel pins", dict(PIVOTS["rod"])),
+    Preset("3D printer, M3 screws", dict(PIVOTS["screw"])),
+    Preset("fine 3D printer", {"layer_mm": 0.1, "clearance_mm": 0.25, "gap_mm": 0.25}),
     Preset("laser cutter", {"kerf_mm": 0.15, "thickness_mm": 6.0, "gap_mm": 0.2}),
 ]
 """Ours, from makers' literature, as the defaults of the parameters are; not tried on machines."""

@@ -94,13 +94,16 @@ def test_solids_read_back_and_stack_in_place(done: Done) -> None:
             continue
         where = folder / entry["folder"]
         transform = Transform.load(where / "puzzle.riot")
-        scale = json.loads((where / "parts.json").read_text(encoding="utf-8"))["mm_per_unit"]
+        parts = json.loads((where / "parts.json").read_text(encoding="utf-8"))
+        scale, lies = parts["mm_per_unit"], {part["name"]: part["printed"] for part in parts["parts"]}
         pose = transform.pose(0.0)
         low, high, volume = [], [], 0.0
         for i in range(len(transform)):
             mesh = trimesh.load_mesh(where / f"piece-{i + 1}.stl")
             assert mesh.is_watertight
             volume += mesh.volume
+            if lies[f"piece-{i + 1}"] == "upside down":
+                mesh.vertices = mesh.vertices * [1.0, -1.0, -1.0] + [0.0, 0.0, mesh.extents[2]]
             flat = scale * pose.place(i, mesh.vertices[:, :2] / scale) + entry["place_mm"]
             low.append([*flat.min(axis=0), mesh.vertices[:, 2].min()])
             high.append([*flat.max(axis=0), mesh.vertices[:, 2].max()])
@@ -178,7 +181,7 @@ def test_a_stack_of_failures_alone_still_has_a_picture(done: Done, tmp_path: Pat
 
 def test_a_slice_is_mended_when_told_to() -> None:
     stack = cut(Model("egg", low_egg()), Cut(1, 16.0, along="z"))
-    thick = FabricationParameters(pin_mm=8.0, wall_mm=4.0)
+    thick = FabricationParameters(pin_mm=8.0, wall_mm=0.8)
 
     def first_outcome(mend: bool) -> SliceOutcome:
         (outcome,) = make_puzzles(stack, lambda slices: shortlists(slices, counterparts()[1:2], 1), thick, mend=mend)
@@ -187,7 +190,7 @@ def test_a_slice_is_mended_when_told_to() -> None:
     asked, mended = first_outcome(False), first_outcome(True)
     assert asked.puzzle is None and asked.attempts[0].counterpart == "polygon-square"
     assert mended.puzzle is not None
-    assert mended.puzzle.built.changes == ("pin_mm: 1.75 instead of 8",)
+    assert mended.puzzle.built.changes == ("pin_mm: 1.75 instead of 8", "pivot: rod instead of printed")
 
 
 def test_a_slice_too_small_for_its_hinges_keeps_its_size_and_says_what_is_enough() -> None:

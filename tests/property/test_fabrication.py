@@ -19,19 +19,25 @@ from riot.errors import ParameterError
 from riot.fabricate import Design, FabricationError, FabricationParameters, PieceDesign, design
 from riot.fabricate import certificate as certificate_module
 from riot.fabricate.certificate import certify, fix
+from riot.fabricate.design import upper_pieces
 from riot.fabricate.model import Slab
-from riot.fabricate.motion_check import placed_parts
+from riot.fabricate.motion_check import placed_parts, pressed_pairs
 from riot.fabricate.outlines import disc, narrowest, widening_parameter
-from riot.fabricate.solid import extruded, genus, make_parts
+from riot.fabricate.overhang import check_supports
+from riot.fabricate.pivot import knuckle_radius, make_pivot
+from riot.fabricate.solid import Part, extruded, genus, make_parts
 from riot.fabricate.sub_chains import sub_chains
 from riot.fabricate.telescope import make_telescope
-from riot.fabricate.tuning import GREATEST_TURN
+from riot.fabricate.tuning import GREATEST_TURN, LARGEST_HINGE_SHARE
 from riot.geometry.polyline import extent, signed_area
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
-from riot.parameters import allowed_range
+from riot.motion.planner import plan_motion
+from riot.parameters import MotionParameters, allowed_range
+from riot.parameters.fabrication import PIVOTS
 from riot.transform.motion import LIFT, Motion
 
 PAIRS = ((3, 1), (5, 1), (6, 2))
+LIFTED_MM = 150.0
 
 
 @cache
@@ -46,7 +52,7 @@ def design_of(n: int, seed: int) -> Design:
 
 def lifting(transform: Transform) -> Transform:
     """The same with a plan that lifts at one hinge though it need not: the second from the open one."""
-    flat = transform.motion()
+    flat = plan_motion(transform, MotionParameters(gap=0.35 / LIFTED_MM, relief=3.8 / LIFTED_MM))
     n = len(transform)
     lifted = (flat.open_hinge + 2) % n
     level = np.zeros(n, dtype=np.int64)
@@ -71,7 +77,7 @@ def lifting(transform: Transform) -> Transform:
 
 @cache
 def lifted_design() -> Design:
-    return design(lifting(transform_of(4, 2)))
+    return design(lifting(transform_of(4, 2)), FabricationParameters(size_mm=LIFTED_MM))
 
 
 def designs() -> list[Design]:
@@ -108,7 +114,7 @@ def test_every_design_is_certified_and_its_solids_are_what_its_layers_say(which:
 @pytest.mark.parametrize("pair", [(0, 0), *PAIRS])
 def test_a_piece_is_its_outline_extruded_but_for_the_account_of_its_hinges(pair: tuple[int, int]) -> None:
     puzzle_design = design_of(*pair)
-    height, radius = puzzle_design.parameters.height, puzzle_design.parameters.knuckle_radius
+    height, radius = puzzle_design.parameters.height, knuckle_radius(puzzle_design.parameters)
     for piece in puzzle_design.pieces:
         ends = [end for end in (piece.start, piece.end) if end.kind == "pin"]
         flat = piece.body.area * height
@@ -126,7 +132,7 @@ def test_a_piece_is_its_outline_extruded_but_for_the_account_of_its_hinges(pair:
 def test_handles_are_counted_by_knuckles(pair: tuple[int, int]) -> None:
     puzzle_design = design_of(*pair)
     for piece, solid_part in zip(puzzle_design.pieces, make_parts(puzzle_design), strict=False):
-        expected = 2 * (piece.start.kind == "pin") + (piece.end.kind == "pin")
+        expected = (piece.start.kind == "pin") + (piece.end.kind == "pin")
         assert genus(solid_part.slabs) == solid_part.solid.genus() == expected
 
 
@@ -142,25 +148,26 @@ def test_hinges_are_where_the_motion_says(which: int) -> None:
     assert puzzle_design.sleeves == len(motion.lifted)
     for before, after in zip(puzzle_design.pieces, puzzle_design.pieces[1:] + puzzle_design.pieces[:1], strict=True):
         assert before.end.hinge == after.start.hinge
-        assert {before.end.role, after.start.role} in ({"male", "female"}, {"none"})
+        assert {before.end.role, after.start.role} in ({"lower", "upper"}, {"none"})
         assert (before.end.x, before.end.y) == (before.length, 0.0)
+    for piece in puzzle_design.pieces:
+        assert {piece.start.role, piece.end.role} - {"none"} == {"upper" if piece.upside_down else "lower"}
 
 
 def test_holes_leave_the_pin_the_clearance_asked_for() -> None:
-    parameters = FabricationParameters(pin_mm=4.0, clearance_mm=0.5, play_mm=0.1, wall_mm=2.0)
+    parameters = FabricationParameters(pin_mm=4.0, clearance_mm=0.5, press_mm=0.2, wall_mm=2.0)
     puzzle_design = design(transform_of(5, 1), parameters)
     for piece in puzzle_design.pieces:
-        for end, gap in ((piece.start, 0.1), (piece.end, 0.5)):
+        gap = 0.5 if piece.upside_down else -0.1
+        for end in (piece.start, piece.end):
             if end.kind != "pin":
                 continue
-            axis = shapely.Point(end.x, end.y)
-            for ring in end.rings:
-                slab = next(s for s in piece.slabs if s.low < 0.5 * (ring.low + ring.high) < s.high)
-                assert slab.section.distance(axis) == pytest.approx(2.0 + gap, abs=2e-3)
-                # The wall: from the hole's edge outwards there is nothing but wall.
-                wall = disc(end.x, end.y, ring.radius - 0.01).difference(disc(end.x, end.y, 2.0 + gap + 0.02))
-                assert slab.section.contains(wall)
-            assert end.hole_mm == pytest.approx(4.0 + 2.0 * gap)
+            axis, ring = shapely.Point(end.x, end.y), end.rings[0]
+            slab = next(s for s in piece.slabs if s.low < 0.5 * (ring.low + ring.high) < s.high)
+            assert slab.section.distance(axis) == pytest.approx(2.0 + gap, abs=2e-3)
+            # The wall: from the hole's edge outwards there is nothing but wall.
+            wall = disc(end.x, end.y, ring.radius - 0.01).difference(disc(end.x, end.y, 2.0 + gap + 0.02))
+            assert slab.section.contains(wall)
     assert puzzle_design.pins[0].diameter == 4.0
 
 
@@ -197,8 +204,14 @@ def test_samples_of_the_course_agree_with_the_motion_and_are_close() -> None:
 )
 def test_no_two_parts_overlap_at_any_pose(t: float, which: int) -> None:
     puzzle_design = designs()[which]
-    placed = [solid for _, solid in placed_parts(puzzle_design, make_parts(puzzle_design), t)]
-    assert all((placed[i] ^ placed[j]).volume() < 1e-9 for i in range(len(placed)) for j in range(i))
+    names, placed = zip(*placed_parts(puzzle_design, make_parts(puzzle_design), t), strict=True)
+    pressed = pressed_pairs(puzzle_design)
+    assert all(
+        (placed[i] ^ placed[j]).volume() < 1e-9
+        for i in range(len(placed))
+        for j in range(i)
+        if {names[i], names[j]} not in pressed
+    )
 
 
 def test_the_telescope_lifts_far_enough_and_holds() -> None:
@@ -232,7 +245,7 @@ def test_thin_pieces_cannot_have_a_telescope() -> None:
     make_telescope(FabricationParameters(thickness_mm=caught.value.value))
 
 
-@pytest.mark.parametrize("name", sorted(field.name for field in fields(FabricationParameters)))
+@pytest.mark.parametrize("name", sorted(field.name for field in fields(FabricationParameters) if field.name != "pivot"))
 def test_parameters_out_of_range_are_named(name: str) -> None:
     least, greatest = allowed_range(FabricationParameters, name)
     for value in (least, greatest):
@@ -248,9 +261,10 @@ def test_parameters_out_of_range_are_named(name: str) -> None:
 @given(thickness=st.floats(6.0, 30.0), layer=st.floats(0.1, 0.4), gap=st.floats(0.2, 0.6))
 def test_knuckles_of_any_parameters_fill_the_height_in_whole_layers(thickness: float, layer: float, gap: float) -> None:
     parameters = FabricationParameters(thickness_mm=thickness, layer_mm=layer, axial_gap_mm=gap)
-    lower, low, high, upper = parameters.levels
-    assert 0.0 < lower < low < high < upper < parameters.height
-    assert low - lower >= gap - 1e-6 and upper - high >= gap - 1e-6
+    lower, upper = parameters.levels
+    assert 0.0 < lower < upper < parameters.height
+    assert upper - lower >= gap - 1e-6
+    assert abs(lower - (parameters.height - upper)) <= layer + 1e-9
     assert abs(parameters.height - thickness) <= 0.5 * layer + 1e-9
     for z in (*parameters.levels, parameters.height):
         assert abs(z / layer - round(z / layer)) < 1e-6
@@ -282,14 +296,16 @@ def test_fixing_keeps_the_size_where_it_must(monkeypatch: pytest.MonkeyPatch) ->
         raise FabricationError("hinges-meet", "too small", "size_mm", 80.0)
 
     monkeypatch.setattr(certificate_module, "design", never)
-    with pytest.raises(FabricationError, match=r"too small \(tried with pin_mm: 1.75 instead of 3\)") as caught:
+    with pytest.raises(
+        FabricationError, match=r"too small \(tried with pin_mm: 1.75 instead of 3, pivot: rod instead of printed\)"
+    ) as caught:
         fix(transform_of(3, 1), FabricationParameters(size_mm=50.0), enlarge=False)
     assert (caught.value.parameter, caught.value.value) == ("size_mm", 80.0)
     assert [(attempt.size_mm, attempt.pin_mm) for attempt in tried] == [(50.0, 3.0), (50.0, 1.75)]
 
 
 def test_what_no_change_mends_is_told_as_it_is() -> None:
-    with pytest.raises(FabricationError, match=r"make it 8.2 mm$") as caught:
+    with pytest.raises(FabricationError, match=r"make it 8.6 mm$") as caught:
         fix(lifting(transform_of(6, 2)), FabricationParameters(size_mm=60.0, thickness_mm=6.0, pin_mm=8.0))
     assert caught.value.parameter == "thickness_mm"
 
@@ -299,7 +315,7 @@ def test_what_cannot_be_fixed_says_what_was_tried(monkeypatch: pytest.MonkeyPatc
         raise FabricationError("hinges-meet", f"too small at {parameters.size_mm:g} mm", "size_mm")
 
     monkeypatch.setattr(certificate_module, "design", never)
-    tried = r"too small at 1000 mm \(tried with size_mm: 1000 instead of 500, pin_mm: 1.75 instead of 3\)"
+    tried = r"too small at 1000 mm \(tried with size_mm: 1000 instead of 500, pin_mm: 1.75 instead of 3, pivot: .*\)"
     with pytest.raises(FabricationError, match=tried) as caught:
         fix(transform_of(3, 1), FabricationParameters(size_mm=500.0))
     assert (caught.value.reason, caught.value.parameter) == ("hinges-meet", "size_mm")
@@ -357,10 +373,13 @@ class TestDamage:
 
     def test_holes_too_small_for_the_pin(self) -> None:
         puzzle_design = design_of(5, 1)
-        damaged = replace(puzzle_design, parameters=replace(puzzle_design.parameters, pin_mm=3.4))
+        pivot = puzzle_design.pivot
+        assert pivot is not None
+        thick = replace(puzzle_design.parameters, clearance_mm=0.4, press_mm=0.3)
+        damaged = replace(puzzle_design, parameters=thick, pivot=replace(make_pivot(thick), profile=pivot.profile))
         failures = certify(damaged).failures
-        assert any("clearance_mm asks for 0.35" in words for words in failures)
-        assert any("play_mm asks for 0.2" in words for words in failures)
+        assert any("clearance_mm asks for 0.4" in words for words in failures)
+        assert any("0.10 mm thicker than the hole" in words and "press_mm asks for 0.3" in words for words in failures)
 
     def test_a_solid_that_is_not_its_layers(self) -> None:
         puzzle_design = design_of(5, 1)
@@ -385,3 +404,81 @@ class TestDamage:
 
         failures = certify(with_piece(puzzle_design, upper, wide)).failures
         assert any(words.startswith(f"piece-{upper + 1} cannot lift past") for words in failures)
+
+
+class TestSupports:
+    """Every layer against the one below."""
+
+    @pytest.mark.parametrize("which", range(5))
+    def test_no_design_needs_supports(self, which: int) -> None:
+        certificate = certify(designs()[which])
+        assert certificate.supported
+        assert 0.0 < certificate.overhang <= 35.0
+        assert certificate.bridge == 0.0
+
+    @pytest.mark.parametrize("pivot", ["printed", "filament", "rod", "screw"])
+    def test_every_pivot_is_held_and_prints_without_supports(self, pivot: str) -> None:
+        parameters = FabricationParameters(**PIVOTS[pivot])
+        certificate = certify(design(transform_of(0, 0), parameters))
+        assert certificate.failures == ()
+        assert certificate.bridge == 0.0
+        for check in certificate.hinges:
+            assert check.turning_gap == pytest.approx(parameters.clearance_mm, abs=2e-3)
+            assert check.pull <= 1.0
+            if pivot == "screw":
+                assert check.interference is None
+            else:
+                assert check.interference == pytest.approx(parameters.press_mm, abs=4e-3)
+
+    @pytest.mark.parametrize("layer", [0.1, 0.15, 0.2, 0.28, 0.4])
+    @pytest.mark.parametrize("pivot", ["rod", "screw"])
+    def test_any_layer_height_will_do(self, layer: float, pivot: str) -> None:
+        parameters = FabricationParameters(layer_mm=layer, pivot=pivot, thickness_mm=12.0)  # type: ignore[arg-type]
+        assert certify(design(transform_of(0, 0), parameters)).failures == ()
+
+    def test_pieces_that_lie_the_wrong_way_need_supports(self) -> None:
+        puzzle_design = design_of(5, 1)
+        for solid_part in make_parts(puzzle_design)[: len(puzzle_design.pieces)]:
+            check = check_supports(replace(solid_part, upside_down=not solid_part.upside_down), 0.2)
+            assert check.failures and check.unsupported > 1.0
+
+    def test_what_spans_two_sides_is_a_bridge_and_what_ends_in_the_air_is_none(self) -> None:
+        floor = shapely.box(0.0, 0.0, 20.0, 6.0)
+        for width, bridged in ((7.0, True), (7.9, True), (8.1, False)):
+            walls = floor.difference(shapely.box(5.0, 0.0, 5.0 + width, 6.0))
+            slabs = Slab(0.0, 2.0, floor), Slab(2.0, 4.0, walls), Slab(4.0, 5.0, floor)
+            check = check_supports(Part("bridge", "piece", 1, slabs, extruded(slabs)), 0.2)
+            assert (check.failures == ()) is bridged
+            assert check.bridge == pytest.approx(width if bridged else 0.0, abs=0.01)
+        around = Slab(0.0, 2.0, floor), Slab(2.0, 4.0, floor.buffer(0.3))
+        assert check_supports(Part("brim", "piece", 1, around, extruded(around)), 0.3).failures == ()
+        assert check_supports(Part("brim", "piece", 1, around, extruded(around)), 0.2).failures != ()
+
+    def test_a_screw_asks_for_thickness_that_is_enough(self) -> None:
+        with pytest.raises(FabricationError, match="does not hold the nut of an M3 screw") as caught:
+            make_pivot(FabricationParameters(pivot="screw"))
+        make_pivot(FabricationParameters(pivot="screw", thickness_mm=caught.value.value))
+        with pytest.raises(FabricationError, match=r"no screw of 3.3 mm; choose one of 2, 2.5, 3, 4"):
+            make_pivot(FabricationParameters(pivot="screw", pin_mm=3.3))
+
+    def test_lifts_that_contradict_each_other_are_refused(self) -> None:
+        motion = design_of(6, 2).motion
+        first = motion.open_hinge
+        upper_pieces(replace(motion, lifted=((first + 1) % 6, (first + 3) % 6)))
+        with pytest.raises(FabricationError, match="lift an odd number of pieces apart") as caught:
+            upper_pieces(replace(motion, lifted=((first + 1) % 6, (first + 2) % 6)))
+        assert caught.value.reason == "supports"
+
+
+@pytest.mark.parametrize("pair", [(5, 1), (6, 2)])
+def test_hinges_that_are_too_large_name_the_least_size_that_will_do(pair: tuple[int, int]) -> None:
+    transform = transform_of(*pair)
+    parameters = FabricationParameters(size_mm=60.0, pin_mm=1.75, wall_mm=0.8)
+    certificate = certify(design(transform, parameters))
+    assert certificate.hinge_share > LARGEST_HINGE_SHARE
+    asked = max(check.value for check in certificate.parts if check.failures)
+    assert f"enlarge size_mm (60) to {asked:g}" in " ".join(certificate.failures)
+    for size, passed in ((asked, True), (asked - 2.0, False)):
+        larger = certify(design(transform, replace(parameters, size_mm=size)))
+        assert (larger.hinge_share <= LARGEST_HINGE_SHARE) is passed
+        assert any("as large as it" in words for words in larger.failures) is not passed

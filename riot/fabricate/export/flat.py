@@ -1,6 +1,6 @@
 """Flat files: what a laser cuts, as SVG and DXF at true size in millimetres, sheet by sheet. Ours.
 
-Three kinds: bare outlines; the strips of cloth or tape that join these; and the three layers of every piece with
+Three kinds: bare outlines; the strips of cloth or tape that join these; and the two layers of every piece with
 knuckles and pin holes, to be stacked, glued and pinned. Besides, a test piece.
 """
 

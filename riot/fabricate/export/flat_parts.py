@@ -19,7 +19,7 @@ from riot.fabricate.model import Design, PieceDesign, polygons
 
 Kind = Literal["outlines", "layers", "strips"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
-LAYERS = ("bottom", "middle", "top")
+LAYERS = ("bottom", "top")
 
 STRIP_REACH_MM = 12.0
 """mm: a strip goes so far from the hinge along the wall of either piece, if the walls are long enough."""
@@ -47,14 +47,14 @@ class FlatPart:
 
 
 def sheets_of_a_layer(design: Design, kind: Kind) -> int:
-    """How many sheets of the material make up a part's thickness: a third of the puzzle's for layers."""
-    thickness = design.parameters.height / (3.0 if kind == "layers" else 1.0)
+    """How many sheets of the material make up a part's thickness: half of the puzzle's for layers."""
+    thickness = design.parameters.height / (len(LAYERS) if kind == "layers" else 1)
     return max(1, round(thickness / design.parameters.sheet_mm))
 
 
 def stack_mm(design: Design, kind: Kind) -> float:
     """Thickness of the puzzle that is made from sheets."""
-    return sheets_of_a_layer(design, kind) * design.parameters.sheet_mm * (3 if kind == "layers" else 1)
+    return sheets_of_a_layer(design, kind) * design.parameters.sheet_mm * (len(LAYERS) if kind == "layers" else 1)
 
 
 def flat_parts(design: Design, kind: Kind) -> list[FlatPart]:
@@ -92,15 +92,15 @@ def _outlines(design: Design) -> list[FlatPart]:
 
 
 def _layers(design: Design) -> list[FlatPart]:
-    """Every piece at the heights of the lower female, the male and the upper female knuckles."""
+    """Every piece at the heights of the lower and of the upper knuckles, below the heads of pins."""
     if design.telescope is not None:
         raise FabricationError(
             "telescopic",
             "this puzzle has telescopic hinges, which cannot be stacked from sheets: print it, or cut its outlines",
             "",
         )
-    height, levels = design.parameters.height, design.parameters.levels
-    middles = (0.5 * levels[0], 0.5 * height, 0.5 * (levels[3] + height))
+    (lower, upper), layer = design.parameters.levels, design.parameters.layer_mm
+    middles = (lower - 0.5 * layer, upper + 0.5 * layer)
     parts = []
     for piece in design.pieces:
         for name, middle in zip(LAYERS, middles, strict=True):

@@ -11,6 +11,14 @@ from riot.fabricate.export.sheets import LONGEST_NAME
 if TYPE_CHECKING:
     from riot.fabricate.model import Design, HingeEnd
 
+_NOUNS = {"printed": "pins", "rod": "rods with caps", "screw": "countersunk screws with nuts"}
+_PINS = {
+    "printed": "Press a pin through both from above, until its head is flush.",
+    "rod": "Press a rod through both until it is flush below, then a cap on it from above.",
+    "screw": "Lay a nut into the pocket below, and turn a screw into it from above until the knuckle just turns; "
+    "a drop of glue on the nut keeps it so.",
+}
+
 
 def shape_names(design: Design) -> tuple[str, str]:
     """The names of P and Q, no longer than fits."""
@@ -27,8 +35,7 @@ def steps(design: Design) -> list[str]:
     sentences = [f"Lay the pieces on the table, fronts up, in this order: {', '.join(map(str, order))}."]
     if design.pins:
         sentences.append(
-            "At every pin hinge slide the middle knuckle of one piece between the two of the next, and push a pin "
-            "through all three."
+            "At every pin hinge lay the knuckle of one piece on that of the next. " + _PINS[design.pins[0].kind]
         )
     if motion.lifted:
         joined = ", ".join(f"{(hinge - 1) % n + 1} and {hinge + 1}" for hinge in motion.lifted)
@@ -48,8 +55,12 @@ def sizes(design: Design) -> list[str]:
     parameters = design.parameters
     return [
         f"long side {parameters.size_mm:g} mm, thickness {parameters.height:g} mm, layer {parameters.layer_mm:g} mm",
-        f"pin {parameters.pin_mm:g} mm; clearance {parameters.clearance_mm:g} mm where it turns, play "
-        f"{parameters.play_mm:g} mm where it is pushed in",
+        f"pin {parameters.pin_mm:g} mm; clearance {parameters.clearance_mm:g} mm where it turns"
+        + (
+            ""
+            if parameters.pivot == "screw"
+            else f", {parameters.press_mm:g} mm thicker than its hole where it is held"
+        ),
         f"between outlines {parameters.gap_mm:g} mm, between knuckles {parameters.axial_gap:g} mm; "
         f"laser kerf {parameters.kerf_mm:g} mm",
         "Clearances are from makers' literature, not from our own prints: print one hinge first.",
@@ -67,7 +78,7 @@ def _option(parameter: re.Match[str]) -> str:
 
 def pins_in_words(design: Design) -> str:
     """How many pins of each kind, and sleeves."""
-    words = [f"{pin.count} pins ⌀ {pin.diameter:g} × {pin.length:g} mm" for pin in design.pins]
+    words = [f"{pin.count} {_NOUNS[pin.kind]} ⌀ {pin.diameter:g} × {pin.length:g} mm" for pin in design.pins]
     if design.sleeves:
         words.append(f"{design.sleeves} sleeve{'s' if design.sleeves > 1 else ''}")
     return ", ".join(words) or "no pins"

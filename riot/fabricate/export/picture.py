@@ -19,7 +19,7 @@ from riot.draw.raster import font_files
 from riot.draw.solid import Body, Eye, View, png_of_view, prisms, render, ribbon
 from riot.fabricate.export.paper import MM_PER_INCH, Frame, rings
 from riot.fabricate.export.sheets import face, face_colours
-from riot.fabricate.telescope import Ring
+from riot.fabricate.rings import Ring
 
 if TYPE_CHECKING:
     from riot.draw.solid import ByteArray

@@ -132,7 +132,7 @@ def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
 
 def _placement(item: PlacedPart, part: Part) -> list[float]:
     """The twelve numbers of a 3MF transform, row vectors times matrix: a quarter turn or none, then a shift."""
-    box = part.solid.bounding_box()
+    box = part.printed.bounding_box()
     if item.turned:  # (x, y) goes to (−y, x)
         return [0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, item.x + box[4], item.y - box[0], -box[2]]
     return [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, item.x - box[0], item.y - box[1], -box[2]]
@@ -162,6 +162,7 @@ def parts_document(
                 "name": part.name,
                 "kind": part.kind,
                 "count": part.count,
+                "printed": "upside down" if part.upside_down else "as it lies",
                 "file": f"{part.name}.stl",
                 "size_mm": [round(length, DIGITS) for length in part.size],
                 "volume_mm3": round(part.volume, DIGITS),
@@ -181,6 +182,9 @@ def parts_document(
             "gap_mm": _finite(certificate.motion.gap),
             "gap_proven_mm": certificate.motion.floor if certificate.motion.proven else None,
             "narrowest_mm": round(certificate.wall, 3),
+            "hinge_share": round(certificate.hinge_share, 4),
+            "overhang_degrees": round(certificate.overhang, 1),
+            "bridge_mm": round(certificate.bridge, 2),
             "overlap_mm3": certificate.motion.overlap,
             "poses": certificate.motion.poses,
             "hinges": [{**asdict(check), "failures": list(check.failures)} for check in certificate.hinges],
