@@ -180,7 +180,7 @@ def test_a_stack_of_failures_alone_still_has_a_picture(done: Done, tmp_path: Pat
 
 
 def test_a_slice_is_mended_when_told_to() -> None:
-    stack = cut(Model("egg", low_egg()), Cut(1, 16.0, along="z"))
+    stack = cut(Model("egg", low_egg().scale((2.0, 2.0, 1.0))), Cut(1, 16.0, along="z"))
     thick = FabricationParameters(pin_mm=8.0, wall_mm=0.8)
 
     def first_outcome(mend: bool) -> SliceOutcome:
