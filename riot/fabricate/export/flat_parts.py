@@ -49,7 +49,7 @@ class FlatPart:
 def sheets_of_a_layer(design: Design, kind: Kind) -> int:
     """How many sheets of the material make up a part's thickness: half of the puzzle's for layers."""
     thickness = design.parameters.height / (len(LAYERS) if kind == "layers" else 1)
-    return max(1, round(thickness / design.parameters.sheet_mm))
+    return max(1, math.ceil(thickness / design.parameters.sheet_mm - 0.5))  # of two as good the fewer
 
 
 def stack_mm(design: Design, kind: Kind) -> float:
