@@ -36,6 +36,23 @@ from riot.parameters import (
 
 
 @dataclass(frozen=True)
+class ShapeConfig(ShapeParameters):
+    """Silhouette → shape, and what becomes of shapes that may have been read wrongly."""
+
+    doubtful: Literal["drop", "keep"] = parameter(
+        "drop",
+        meaning="drop: shapes whose outlines may be wrong (column doubts of shapes) are left out of the selection. "
+        "keep: they are taken as all others.",
+    )
+
+    @property
+    def reading(self) -> ShapeParameters:
+        """What pictures are read with."""
+        names = (field.name for field in dataclasses.fields(ShapeParameters))
+        return ShapeParameters(**{name: getattr(self, name) for name in names})
+
+
+@dataclass(frozen=True)
 class QcrsConfig(ParameterGroup):
     """Quick cross-reversibility score (paper §5.2): its trunks, its sigmas, and which pairs are scored."""
 
@@ -291,7 +308,7 @@ class Config(ParameterGroup):
         meaning="So many of the least deformed certified transforms are made by the paper's method too: about half a "
         "second each.",
     )
-    shape: ShapeParameters = field(default_factory=ShapeParameters)
+    shape: ShapeConfig = field(default_factory=ShapeConfig)
     reversibility: ReversibilityParameters = field(default_factory=ReversibilityParameters)
     convexity: ConvexityParameters = field(default_factory=ConvexityParameters)
     likeness: LikenessParameters = field(default_factory=LikenessParameters)

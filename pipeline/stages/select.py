@@ -14,6 +14,7 @@ from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.collected import Collected
 from pipeline.stages.pool import Rows, fill_pool
+from pipeline.stages.qualities import doubtful
 from pipeline.stages.stage import Stage
 from pipeline.stages.wishes import WishedShapes, wished_shapes
 from pipeline.store.artifact import AnyArray, Artifact
@@ -46,8 +47,9 @@ class Selecting:
     """What selection reads of the collection.
 
     ``classes`` are by position, ``starts`` the positions of the batches' first shapes. The inputs are, in this order,
-    scores of ``blocks``, scores of the blocks ``rare``, and reversibility of ``rated``, all by numbers of batches, and,
-    if it is ``described``, the collection. ``wishes`` are the pairs that the user wants.
+    scores of ``blocks``, scores of the blocks ``rare``, reversibility of ``rated``, and the shapes ``read``, if those
+    in doubt are left out, all by numbers of batches, and, if it is ``described``, the collection. ``wishes`` are the
+    pairs that the user wants.
     """
 
     classes: tuple[str, ...]
@@ -57,6 +59,7 @@ class Selecting:
     rated: tuple[int, ...]
     described: bool
     wishes: WishedShapes
+    read: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -165,17 +168,18 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) 
 
     Only one input is in memory at a time: there are as many as blocks.
     """
-    settings, mirrored = parameters
-    ends = np.cumsum([len(spec.blocks), len(spec.rare), len(spec.rated)]).tolist()
+    settings, mirrored, _ = parameters
+    ends = np.cumsum([len(spec.blocks), len(spec.rare), len(spec.rated), len(spec.read)]).tolist()
     scored, rare, rated = inputs[: ends[0]], inputs[ends[0] : ends[1]], inputs[ends[1] : ends[2]]
-    wished = spec.wishes.of(len(spec.classes))
+    read = {spec.starts[number]: batch for number, batch in zip(spec.read, inputs[ends[2] : ends[3]], strict=True)}
+    wished, clear = spec.wishes.of(len(spec.classes)), ~doubtful(read, len(spec.classes))
 
     def rows(numbers: Sequence[tuple[int, int]], artifacts: Sequence[Artifact]) -> Iterator[Rows]:
         for (a, b), block in zip(numbers, artifacts, strict=True):
             i = block.arrays["i"].astype(np.int64) + spec.starts[a]
             j = block.arrays["j"].astype(np.int64) + spec.starts[b]
             score, n = np.asarray(block.arrays["score"]), block.arrays["n"].astype(np.int64)
-            yield Rows(i, j, score, n).at(wished(i, j))
+            yield Rows(i, j, score, n).at(wished(i, j) & clear[i] & clear[j])
 
     def blocks() -> Iterator[Block]:
         return (block[:3] for block in rows(spec.blocks, scored))
@@ -189,6 +193,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) 
         for number, batch in zip(spec.rated, rated, strict=True):
             start = spec.starts[number]
             ratings[start : start + len(batch.arrays["score"])] = batch.arrays["score"]
+        ratings[~clear] = np.nan
         chosen = select_paper(blocks(), spec.classes, ratings, settings.breadth_of_policy * settings.top)
     else:
         widened = (settings.top, settings.per_class_pair, settings.per_shape)
@@ -254,10 +259,15 @@ def items(progress: Progress) -> list[WorkItem]:
     ratings = progress.work["reversibility"] if not varied else ()
     rated = [number for number, item in enumerate(ratings) if item.reference in progress.done]
     things = progress.finished("near_duplicates") if varied else []
-    sources = [*blocks.values(), *rare.values(), *(ratings[number] for number in rated), *things]
+    dropping = progress.config.shape.doubtful == "drop"
+    ingest = progress.work["ingest"] if dropping else ()
+    read = [number for number, item in enumerate(ingest) if item.reference in progress.done]
+    per_batch = [*(ratings[number] for number in rated), *(ingest[number] for number in read)]
+    sources = [*blocks.values(), *rare.values(), *per_batch, *things]
     starts = tuple(batch.start for batch in progress.batches)
     wishes = wished_shapes(progress.config.select, progress.items)
-    spec = Selecting(progress.classes, starts, tuple(blocks), tuple(rare), tuple(rated), bool(things), wishes)
+    batches = tuple(blocks), tuple(rare), tuple(rated)
+    spec = Selecting(progress.classes, starts, *batches, bool(things), wishes, tuple(read))
     recipe = progress.recipes["select"]
     # A digest instead of the spec keeps the classes out of the manifest.
     parts = recipe.parts([item.key for item in sources], digest_text(repr(spec)))
@@ -275,8 +285,8 @@ def selected(progress: Progress) -> Chosen:
 STAGE = Stage(
     name="select",
     unit="selection",
-    after=("qcrs", "qcrs_rare", "pairs", "reversibility", "near_duplicates"),
-    parameters=("select", "likeness.mirrored"),
+    after=("ingest", "qcrs", "qcrs_rare", "pairs", "reversibility", "near_duplicates"),
+    parameters=("select", "likeness.mirrored", "shape.doubtful"),
     items=items,
     run=run,
     scope="collection",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, Literal
 
-from pipeline.config.schema import Config, QcrsConfig
+from pipeline.config.schema import Config, QcrsConfig, ShapeConfig
 from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
@@ -198,4 +198,6 @@ class Stage:
 def _read(config: Config, name: str) -> Any:
     value = attrgetter(name)(config)
     # Scores depend on the sigmas only; stages that depend on mode or k name these parameters.
-    return value.sigmas if isinstance(value, QcrsConfig) else value
+    if isinstance(value, QcrsConfig):
+        return value.sigmas
+    return value.reading if isinstance(value, ShapeConfig) else value

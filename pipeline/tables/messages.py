@@ -10,6 +10,7 @@ from pipeline.datasets.collection import PICTURES
 def sentences(counts: Mapping[str, int], policy: str) -> list[str]:
     """Explain a run's ``counts`` (`pipeline.tables.record.counts`) where they may surprise; empty if none does."""
     return [
+        *_doubtful(counts),
         *_trunks(counts),
         *_selection(counts, policy),
         *_approximate(counts),
@@ -27,6 +28,16 @@ def several(count: int, singular: str, plural: str = "") -> str:
     ('1 shape', '2,000 matches')
     """
     return f"{count:,} {singular if count == 1 else plural or singular + 's'}"
+
+
+def _doubtful(counts: Mapping[str, int]) -> list[str]:
+    doubtful = counts.get("doubtful", 0)
+    if doubtful == 0:
+        return []
+    return [
+        f"{several(doubtful, 'outline is', 'outlines are')} doubtful, and left out of the selection unless "
+        "shape.doubtful=keep (column doubts of shapes.parquet has the reasons)."
+    ]
 
 
 def _trunks(counts: Mapping[str, int]) -> list[str]:

@@ -92,10 +92,10 @@ def write_record(
 def counts(results: Results) -> dict[str, int]:
     """Count items, shapes, pairs, transforms, motions and errors.
 
-    ``classes`` counts a shape without a class as a class of its own; ``without_trunks`` counts the shapes that were
-    searched for trunks and have none, ``refused_textures`` the colour pictures that cannot be textures, ``blocked`` the
-    work items that were not tried because an input had failed. Certified and approximate ones are counted among the
-    chosen, rejected ones among all that were ``constructed``.
+    ``classes`` counts a shape without a class as a class of its own; ``doubtful`` counts the shapes that may have been
+    read wrongly, ``without_trunks`` those that were searched for trunks and have none, ``refused_textures`` the colour
+    pictures that cannot be textures, ``blocked`` the work items that were not tried because an input had failed.
+    Certified and approximate ones are counted among the chosen, rejected ones among all that were ``constructed``.
     """
     constructions = [results.artifact(item) for item in results.work["construct"]]
     made = [artifact.document["status"] for artifact in constructions if artifact is not None]
@@ -123,6 +123,7 @@ def counts(results: Results) -> dict[str, int]:
         "ignored_files": results.collection.ignored,
         "shapes": shapes,
         "classes": results.classes,
+        "doubtful": results.doubtful,
         "without_trunks": results.without_trunks,
         "rejected_items": len(results.progress.items) + len(results.collection.rejected) - shapes,
         "pairs": shapes * (shapes - 1) // 2,

@@ -88,6 +88,12 @@ class Results:
         return int((self.numbers >= 0).sum())
 
     @property
+    def doubtful(self) -> int:
+        """How many shapes may have been read wrongly."""
+        read = [self.artifact(item) for item in self.progress.work["ingest"]]
+        return sum(int(artifact.arrays["quality_doubtful"].sum()) for artifact in read if artifact is not None)
+
+    @property
     def classes(self) -> int:
         """How many classes the shapes have; one without a class is a class of its own."""
         present = [item.cls for item, number in zip(self.progress.items, self.numbers, strict=True) if number >= 0]

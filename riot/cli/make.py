@@ -9,7 +9,17 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from riot.cli.inputs import add_bend, add_force, add_inputs, add_mirror, add_pieces, read_inputs
+from riot.cli.inputs import (
+    add_bend,
+    add_force,
+    add_inputs,
+    add_mirror,
+    add_pieces,
+    pair_stem,
+    quality_facts,
+    read_inputs,
+    told,
+)
 from riot.cli.output import Output
 from riot.cli.parser import DONE, EXIT_CODES, Parser, UsageError
 from riot.cli.show import transform_facts, transform_lines
@@ -47,7 +57,7 @@ from riot.transform.provenance import file_digest, record_history
 from riot.transform.transform import Transform
 
 POOR = 4
-"""Exit code: files are written, but a shape is less like its input than was asked for."""
+"""Exit code: files are written, but a shape is less like its input than was asked for, or an outline is doubtful."""
 
 MIN_IOU = 0.85
 """Ours: below it most of what makes a silhouette recognisable is lost; half of the class pairs of MPEG-7 reach more."""
@@ -103,7 +113,10 @@ def add_options(parser: Parser) -> None:
             metavar="PICTURE",
             help=f"show {name}'s colours on the pieces, from a picture of its size ({name} itself, if it has colours)",
         )
-    parser.exit_codes = {**EXIT_CODES, POOR: "Done, but a shape is less like its input than --min-iou asks."}
+    parser.exit_codes = {
+        **EXIT_CODES,
+        POOR: "Done, but a shape is less like its input than --min-iou asks, or its outline may be wrong.",
+    }
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
@@ -124,11 +137,13 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         replace_files=chosen.replace_files,
         mirror_q=chosen.mirror_q,
     )
-    transform = make(chosen.a, chosen.b, chosen.output, wishes, output)
-    if min(overlap_ratios(transform)) >= chosen.min_iou:
-        return DONE
-    output.complain(poor_likeness(transform, chosen.min_iou))
-    return POOR
+    shapes = read_inputs(chosen.a, chosen.b)
+    doubts = [doubt for path, shape in zip((chosen.a, chosen.b), shapes, strict=True) for doubt in told(path, shape)]
+    transform = make(chosen.a, chosen.b, chosen.output, wishes, output, shapes)
+    poor = min(overlap_ratios(transform)) < chosen.min_iou
+    for complaint in [*doubts, *([poor_likeness(transform, chosen.min_iou)] if poor else [])]:
+        output.complain(complaint)
+    return POOR if poor or doubts else DONE
 
 
 def poor_likeness(transform: Transform, least: float) -> str:
@@ -148,16 +163,19 @@ def poor_likeness(transform: Transform, least: float) -> str:
     )
 
 
-def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Output) -> Transform:
-    """Construct the transform of two silhouettes and write it to ``folder``: .riot, pictures, animation; returns it.
+def make(
+    path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Output, shapes: tuple[Shape, Shape]
+) -> Transform:
+    """Construct the transform of two silhouettes, read as ``shapes``, and write it, pictures and films to ``folder``.
 
+    Returns it.
     Raises `riot.errors.TrunkError` if there is no trunk pair of the rank that is wished for.
     """
-    films, name = wishes.films, f"{path_a.stem}--{path_b.stem}"
+    films, name = wishes.films, pair_stem(path_a, path_b)
     # What can be known is told before the long work.
     if ".mp4" in films:
         film_writer()
-    a, b = read_inputs(path_a, path_b)
+    a, b = shapes
     check_folder(folder, replace_files=True)
     check_files([folder / f"{name}{suffix}" for suffix in (*SUFFIXES, *films)], replace_files=wishes.replace_files)
     compile_used(output.note, __name__)
@@ -167,20 +185,21 @@ def make(path_a: Path, path_b: Path, folder: Path, wishes: Wishes, output: Outpu
     transform = max(transforms, key=lambda made: (certify(made).passed, min(overlap_ratios(made))))
     inputs = transform.input_p, transform.input_q
     scores = {"qcrs": qcrs(*inputs).score, "crs": crs(*inputs).score}
-    output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}")
     if certify(transform).passed:
         transform = with_motion(transform)
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
     facts = transform_facts(transform)
-    output.show(*transform_lines(transform, facts))
     images = _piece_images(transform, wishes.pictures, {"p": path_a, "q": path_b})
     with new_folder(folder, replace_files=True) as temporary:
         files = []
         for path in write_transform(transform, temporary / name, films, images):
             files.append(folder / path.name)
             output.detail(f"{path.name} is ready")
+    # After the files: a terminal that takes no more costs nothing then.
+    output.show(f"QCRS {scores['qcrs']:.3f}, CRS {scores['crs']:.3f}", *transform_lines(transform, facts))
     output.show(*map(str, files))
-    output.document({**scores, **facts, "files": files})
+    qualities = [None if shape.quality is None else quality_facts(shape.quality) for shape in shapes]
+    output.document({**scores, **facts, "readings": qualities, "files": files})
     return transform
 
 

@@ -17,6 +17,10 @@ VERSION = 1
 """Version of the JSON documents; a change that a reader notices raises it."""
 
 
+ASCII = str.maketrans({"⇄": "<>", "─": "-", "≤": "<=", "–": "-", "…": "...", "×": "x", "’": "'"})
+"""What stands for our own characters on a terminal that lacks them."""
+
+
 @dataclass(frozen=True)
 class Output:
     """How a command prints: ``program`` is its name as the user typed it, such as ``riot make``.
@@ -44,13 +48,16 @@ class Output:
             return
         for entry in shown:
             for line in entry.lines() if isinstance(entry, Table) else [entry]:
-                print(self.worded(line))
+                print(encodable(self.worded(line), sys.stdout.encoding))
 
     def document(self, document: Mapping[str, Any]) -> None:
         """Print a JSON document if the user wants JSON: format, version, and the facts of a command."""
         if self.json:
             whole = {"format": "-".join(("riot", *self.command.split())), "version": VERSION, **document}
-            print(json.dumps(_plain(whole), indent=1, ensure_ascii=False, allow_nan=False))
+            text = json.dumps(_plain(whole), indent=1, ensure_ascii=False, allow_nan=False)
+            if not _encodes(text, sys.stdout.encoding):
+                text = json.dumps(_plain(whole), indent=1, allow_nan=False)
+            print(text)
 
     def note(self, text: str) -> None:
         """Say on standard error what goes on."""
@@ -76,6 +83,23 @@ class Output:
             return text
         names = "|".join(map(re.escape, sorted(self.words, key=len, reverse=True)))
         return re.sub(rf"(?<![\w.])(?:{names})(?!\w)", lambda match: self.words[match[0]], text)
+
+
+def encodable(text: str, encoding: str | None) -> str:
+    """A text with ASCII for our own characters that an encoding lacks.
+
+    >>> encodable("bird ⇄ fish", "cp1252")
+    'bird <> fish'
+    """
+    return text if _encodes(text, encoding) else text.translate(ASCII)
+
+
+def _encodes(text: str, encoding: str | None) -> bool:
+    try:
+        text.encode(encoding or "utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _plain(value: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import sys
 import textwrap
@@ -51,6 +52,8 @@ def run_program(
     0
     """
     arguments = sys.argv[1:] if arguments is None else arguments
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal that lacks a character costs nobody a result
     try:
         code = _dispatch(Output(program, words=words or {}, command=command), entry, list(arguments))
         sys.stdout.flush()  # here, where a reader that has gone can still be told from an error

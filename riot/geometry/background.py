@@ -9,10 +9,8 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from riot.geometry.levels import two_levels
+from riot.geometry.quality import CHECKED, SHADED
 from riot.types import BoolArray, FloatArray
-
-SHADED = "the page is not evenly light"
-CHECKED = "a checkerboard stands for transparency"
 
 _NOISE = 12.0
 """Distance of colours, of 255, that is noise at least."""

@@ -7,9 +7,6 @@ from scipy import ndimage
 
 from riot.types import BoolArray, FloatArray
 
-FRAME = "a frame around the object is left out"
-LINE = "a line across the page is left out"
-
 _LINE = 0.01
 """Greatest width of a line, as a share of the page's side."""
 

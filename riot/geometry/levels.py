@@ -66,7 +66,7 @@ def _criterion(counts: IntArray, split: int, low: float, high: float) -> float:
     mean = float((counts * values).sum()) / total
     variance = float((counts * (values - mean) ** 2).sum()) / total
     share = float(counts[:split].sum()) / total
-    return share * (1.0 - share) * (high - low) ** 2 / variance
+    return min(1.0, share * (1.0 - share) * (high - low) ** 2 / variance)
 
 
 def weak_level(field: FloatArray, levels: Levels, light: BoolArray) -> WeakLevel | None:

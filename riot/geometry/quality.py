@@ -26,6 +26,13 @@ MUCH_COVERED = 0.85
 
 ALL_SIDES = 4
 
+FRAME = "a frame around the object is left out"
+LINE = "a line across the page is left out"
+SHADED = "the page is not evenly light"
+CHECKED = "a checkerboard stands for transparency"
+REMARKS = (FRAME, LINE, SHADED, CHECKED)
+"""What may be done to find an object; files know them by their order."""
+
 
 @dataclass(frozen=True)
 class ReadingQuality:

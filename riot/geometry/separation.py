@@ -16,7 +16,7 @@ from scipy import ndimage
 from riot.geometry import background, frames
 from riot.geometry.levels import two_levels, weak_level
 from riot.geometry.picture import Picture
-from riot.geometry.quality import ALL_SIDES, MUCH_COVERED, ReadingQuality
+from riot.geometry.quality import ALL_SIDES, FRAME, LINE, MUCH_COVERED, ReadingQuality
 from riot.types import BoolArray, FloatArray, IntArray
 
 _CLEAR = 0.9
@@ -166,7 +166,7 @@ def _others(picture: Picture, plain: Candidate) -> Iterator[Candidate]:
     mended = frames.without_lines(values, plain.component)
     if mended is not None:
         without = frames.without_lines(picture.grey[..., None], plain.component)
-        yield replace(by_levels(values[..., 0] if without is None else without[..., 0]), remarks=(frames.LINE,))
+        yield replace(by_levels(values[..., 0] if without is None else without[..., 0]), remarks=(LINE,))
         values = mended
     for field, remark in background.fields(values):
         if field.min() < field.max():
@@ -178,7 +178,7 @@ def _without_frame(candidate: Candidate) -> Candidate:
     if inner is None:
         return candidate
     ramp, light = inner
-    return replace(candidate, ramp=ramp, light=light, remarks=(*candidate.remarks, frames.FRAME))
+    return replace(candidate, ramp=ramp, light=light, remarks=(*candidate.remarks, FRAME))
 
 
 def _is_object(candidate: Candidate) -> bool:
