@@ -93,15 +93,6 @@ def pair_stem(path_a: Path, path_b: Path) -> str:
     return "--".join(stems)
 
 
-def told(path: Path, shape: Shape) -> list[str]:
-    """What a user should know of the outline that was read from a file: why it may be wrong, if it may."""
-    doubts = () if shape.quality is None else shape.quality.doubts
-    return [
-        f"{path}: the outline may be wrong: {doubt}. Look at it (`riot check FOLDER`), or mend the picture"
-        for doubt in doubts
-    ]
-
-
 def quality_facts(quality: ReadingQuality) -> dict[str, Any]:
     """How well an outline was read, for a JSON document."""
     return {**asdict(quality), "doubts": quality.doubts}

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from riot.cli.complaints import doubtful_outline, poor_likeness
 from riot.cli.inputs import (
     add_bend,
     add_force,
@@ -18,7 +19,6 @@ from riot.cli.inputs import (
     pair_stem,
     quality_facts,
     read_inputs,
-    told,
 )
 from riot.cli.output import Output
 from riot.cli.parser import DONE, EXIT_CODES, Parser, UsageError
@@ -138,29 +138,16 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         mirror_q=chosen.mirror_q,
     )
     shapes = read_inputs(chosen.a, chosen.b)
-    doubts = [doubt for path, shape in zip((chosen.a, chosen.b), shapes, strict=True) for doubt in told(path, shape)]
+    doubts = [
+        doubt
+        for path, shape in zip((chosen.a, chosen.b), shapes, strict=True)
+        for doubt in doubtful_outline(path, shape)
+    ]
     transform = make(chosen.a, chosen.b, chosen.output, wishes, output, shapes)
     poor = min(overlap_ratios(transform)) < chosen.min_iou
     for complaint in [*doubts, *([poor_likeness(transform, chosen.min_iou)] if poor else [])]:
         output.complain(complaint)
     return POOR if poor or doubts else DONE
-
-
-def poor_likeness(transform: Transform, least: float) -> str:
-    """Say that a transform's shapes are not like its inputs, and what to do; ``least`` is the IoU that is asked for."""
-    ious = zip((transform.p.name, transform.q.name), overlap_ratios(transform), strict=True)
-    likeness = " and ".join(f"{iou:.2f} with {name}" for name, iou in ious)
-    if transform.bend_p is None and transform.bend_q is None:
-        advice = "Bend both shapes a little first (--bend), try"
-    else:
-        strains = (0.0 if bend is None else bend.rms_strain for bend in (transform.bend_p, transform.bend_q))
-        likeness += f" as they are bent, by strains of {' and '.join(f'{strain:.1%}' for strain in strains)}"
-        advice = "Try"
-    return (
-        f"poor likeness: the IoU is {likeness}, and --min-iou asks for {least:g}. These shapes do not turn well into "
-        f"each other, so that people may not recognise them. {advice} another trunk pair (`riot trunks A B` lists "
-        "them, --rank K takes one), or look for a better partner (`riot match A --in RUN`)"
-    )
 
 
 def make(
