@@ -15,6 +15,11 @@ from . import sides as sides
 from . import silhouette as silhouette
 from . import svg_document as svg_document
 from . import svg_outline as svg_outline
+from . import svg_page as svg_page
+from . import svg_paths as svg_paths
+from . import svg_plain as svg_plain
 from . import svg_regions as svg_regions
+from . import svg_render as svg_render
+from . import svg_style as svg_style
 from . import triangulation as triangulation
 from . import wkb as wkb

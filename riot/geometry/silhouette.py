@@ -74,12 +74,13 @@ def read_svg(path: str | os.PathLike[str], parameters: ShapeParameters | None = 
     """
     chosen = parameters or ShapeParameters()
     try:
-        outline = svg_outline.outline(path)
+        outline = svg_outline.outline(path, chosen)
     except SilhouetteError as error:
         if Path(path).is_file() and not svg_outline.looks_like_svg(path):  # which `read` does not bring here
             raise SilhouetteError(error.reason, f"{path}: no SVG file; Shape.from_image reads pictures") from error
         raise
-    return outline_shape(outline, Path(path).stem, str(path), chosen, y_down=True)
+    name = Path(path).stem
+    return outline_shape(outline.points, name, str(path), chosen, y_down=True, quality=outline.quality)
 
 
 def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:

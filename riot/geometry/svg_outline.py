@@ -1,48 +1,69 @@
-"""SVG file → the outline of its filled geometry, without a raster in between (ours).
+"""SVG file → the outline of what a viewer shows (ours).
 
-Filled elements are painted in document order, as a viewer does: each adds its region. If an element covers the whole
-view (an icon on a coloured square), it is the background: an element of its colour removes its region.
-Strokes, text and embedded pictures are no geometry here; a file that has nothing else raises an error that says so.
+The drawing is rendered, and its picture read as any picture. Where it is nothing but filled paths, and what they fill
+is what the picture shows, the outline of the paths is taken in place of the pixels', for its corners.
 """
 
 from __future__ import annotations
 
-import io
-import itertools
 import os
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-import shapely
-import svgelements
+from PIL import Image
 
 from riot.errors import SilhouetteError
-from riot.geometry.crossings import TangleError, refuse_tangles
+from riot.geometry.contour import find_object, trace_contour
 from riot.geometry.limits import PICTURE_BYTES, check_file
 from riot.geometry.machine_errors import is_of_machine
-from riot.geometry.svg_document import NAMESPACE, load
-from riot.geometry.svg_regions import closed_rings, filled_region, fills_even_odd
-from riot.types import FloatArray
+from riot.geometry.picture import grey_picture
+from riot.geometry.quality import ALL_SIDES, ReadingQuality
+from riot.geometry.svg_document import HEAD_BYTES, begins_like_svg, load
+from riot.geometry.svg_page import NAMESPACE, Box, Page, cut_out, frame, page_of
+from riot.geometry.svg_plain import NotPlain, Polygons, drawn_box, is_plain, outer_boundary, plain_region
+from riot.geometry.svg_render import RenderError, TooCostly, render
+from riot.parameters import ShapeParameters
+from riot.types import BoolArray, FloatArray
 
-_BACKGROUND_SHARE = 0.99
-"""An element that covers at least this share of the view is its background. Ours."""
+_COARSE = 256
+"""Longer side, pixels, of the picture that shows where the object is, and whether the paths' outline is right. Ours."""
 
-_SAME_COLOUR = 0.1
-"""Colours whose channels differ by at most this, of 1, are the same. Ours."""
+_FINE = 1536
+"""Longer side, pixels, of the picture whose outline is taken: right to 2e-4 L_c (benchmarks/reading.py). Ours."""
 
-_HEAD_BYTES = 64
-"""Bytes that are read to tell an SVG file from a picture. Ours."""
+_SMALL = 0.5
+"""An object that takes less of the picture's longer side is looked at more closely. Ours."""
 
-_NO_COLOUR = (-9.0, -9.0, -9.0)
-"""The colour of a gradient or pattern: it differs from all colours."""
+_MARGIN = 0.05
+"""What is shown around it, as a share of its size. Ours."""
 
-_FLATNESS = 1e-4
-"""Greatest distance of a chord from its curve, as a share of the view's longer side. Ours: far finer than the
-sampling."""
+_AGREEMENT = 0.9995
+"""Least IoU of what the paths fill with what is rendered. Ours."""
 
-_Colour = tuple[float, float, float]
+_QUARTER = 0.3
+"""By how much the share of a pixel may differ between a curve and its chords: resvg tries four lines of a pixel, and
+draws curves with chords of its own. Ours."""
+
+
+@dataclass(frozen=True)
+class DrawnOutline:
+    """The outline of a drawing.
+
+    Parameters
+    ----------
+    points : (m, 2) float64
+        In CSS pixels of the page, y downwards; orientation and start vertex are arbitrary.
+    rendered : bool
+        Taken from the rendered picture, not from the paths.
+    quality : ReadingQuality
+        How well the object was told from the page in the rendered picture.
+    """
+
+    points: FloatArray
+    rendered: bool
+    quality: ReadingQuality
 
 
 def looks_like_svg(path: str | os.PathLike[str]) -> bool:
@@ -59,128 +80,144 @@ def looks_like_svg(path: str | os.PathLike[str]) -> bool:
     try:
         check_file(Path(path), PICTURE_BYTES)
         with Path(path).open("rb") as file:
-            head = file.read(_HEAD_BYTES)
+            return begins_like_svg(file.read(HEAD_BYTES))
     except (OSError, ValueError) as error:  # ValueError: too many bytes, or a path with a null character
         if is_of_machine(error):
             raise
         return False
-    text = head.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # byte-order marks, UTF-16
-    return text.startswith((b"<?xml", b"<svg", b"<!--", b"<!DOCTYPE"))
 
 
-_BROKEN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError)
-"""Errors that the SVG parser raises on broken content."""
-
-
-def outline(path: str | os.PathLike[str]) -> FloatArray:
-    """Outer boundary, (m, 2), of the largest region that an SVG file fills, in its user units, y downwards.
-
-    Holes are dropped. Orientation and start vertex are arbitrary.
+def outline(path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> DrawnOutline:
+    """Outer boundary of the largest object that a viewer shows of an SVG file; holes are dropped.
 
     Raises
     ------
     SilhouetteError
-        ``unreadable`` (missing, not XML, no SVG), ``unsupported`` (declarations, references to other files,
-        masks), ``too-large``, ``empty`` (nothing filled).
+        ``unreadable`` (missing, not XML, no SVG, broken), ``unsupported`` (entities, references to other files,
+        text, what is not drawn as in a browser), ``too-large``, ``empty`` (nothing drawn), and as
+        `riot.geometry.contour.find_object`.
+    OSError, MemoryError
+        The machine failed: nothing is known of the file.
 
     >>> from pathlib import Path
     >>> _ = Path("square.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H9V9H0z"/></svg>')
-    >>> len(outline("square.svg"))
+    >>> len(outline("square.svg").points)
     4
     """
     where = str(path)
     tree = load(path)
-    view = _view_of(tree)
-    try:
-        document: Any = svgelements.SVG.parse(io.BytesIO(ElementTree.tostring(tree)), reify=True)
-        elements = [element for element in document.elements() if isinstance(element, svgelements.Shape)]
-        view = view or _bounds(elements)
-        visible = [element for element in elements if _visible(element)]
-        flatness = _FLATNESS * max(view[2] - view[0], view[3] - view[1])
-        rings = closed_rings(visible, flatness)
-        refuse_tangles(list(itertools.chain.from_iterable(rings)))
-        painted = [
-            (filled_region(of, fills_even_odd(element)), _fill(element))
-            for element, of in zip(visible, rings, strict=True)
-            if of
-        ]
-        painted = [(region, fill) for region, fill in painted if not region.is_empty]
-        region = _object(painted, shapely.box(*view))
-    except TangleError as error:
-        raise SilhouetteError("too-large", f"{where}: {error}; simplify the drawing, or export it as PNG") from error
-    except (*_BROKEN, shapely.errors.ShapelyError) as error:
-        raise SilhouetteError("unreadable", f"{where}: broken geometry ({error}); save the file again") from error
-    polygons = [shape for shape in shapely.get_parts(region) if shape.geom_type == "Polygon" and shape.area > 0.0]
-    if not polygons:
-        raise SilhouetteError(
-            "empty", f"{where}: nothing is filled; turn strokes and text into paths, or export the drawing as PNG"
-        )
-    largest = max(polygons, key=lambda polygon: float(shapely.Polygon(polygon.exterior).area))
-    return np.asarray(largest.exterior.coords, dtype=np.float64)[:-1]
+    chosen = replace(parameters or ShapeParameters(), min_pixels=1)
+    plain = is_plain(tree)
+    page = _page(tree, plain, where)
 
+    def shown(window: Box, pixels: int) -> Image.Image:
+        return _rendered(cut_out(tree, page, window, pixels), not plain, where)
 
-def _object(painted: list[tuple[Any, _Colour]], view: Any) -> Any:
-    """The region of the object: what is painted, less what has the colour of the background."""
-    background: _Colour | None = None
-    region: Any = shapely.Polygon()
-    waiting: list[Any] = []  # unions are cheaper in bulk, and only a background's colour has to keep the order
-    for patch, colour in painted:
-        if patch.intersection(view).area >= _BACKGROUND_SHARE * view.area and (
-            background is None or _same(colour, background)
-        ):
-            background, region, waiting = colour, shapely.Polygon(), []
-        elif background is not None and _same(colour, background):
-            region, waiting = shapely.union_all([region, *waiting]).difference(patch), []
+    def looked_at(pixels: int) -> _Seen:
+        """The object; if it is small on the page, at a size of its own."""
+        seen = _seen(shown(page.box, pixels), page.box, where, chosen)
+        window = _around(seen, page.box)
+        small = max(window[2] - window[0], window[3] - window[1]) < _SMALL * page.side
+        return _seen(shown(window, pixels), window, where, chosen) if small and seen.by_opacity else seen
+
+    if plain:
+        try:
+            paths = plain_region(tree, page)
+        except NotPlain:
+            pass
         else:
-            waiting.append(patch)
-    region = shapely.union_all([region, *waiting])
-    # A square that fills the view on purpose has nothing painted over it.
-    if region.is_empty and background is not None:
-        return shapely.union_all([patch for patch, _ in painted])
-    return region
+            seen = looked_at(_COARSE)
+            drawn = _seen(_rendered(_drawing(paths, seen.window, _COARSE), False, where), seen.window, where, chosen)
+            if _agreement(drawn.share, seen.share) >= _AGREEMENT:
+                return DrawnOutline(outer_boundary(paths), False, seen.quality)
+    seen = looked_at(_FINE)
+    return DrawnOutline(_traced(seen, where), True, seen.quality)
 
 
-def _view_of(tree: ElementTree.Element) -> tuple[float, float, float, float] | None:
-    """The view box in the coordinates that `svgelements` gives: the box is laid onto (0, 0)–(width, height)."""
-    root: Any = svgelements.SVG.parse(
-        io.BytesIO(ElementTree.tostring(ElementTree.Element(f"{{{NAMESPACE}}}svg", tree.attrib)))
-    )
-    declared = root.viewbox is not None or ("width" in tree.attrib and "height" in tree.attrib)
-    if not declared or not root.width or not root.height:
-        return None
-    return 0.0, 0.0, float(root.width), float(root.height)
+@dataclass(frozen=True)
+class _Seen:
+    """What a picture of a window of the page shows: the object's share of each pixel, and its largest component."""
+
+    share: FloatArray
+    component: BoolArray
+    quality: ReadingQuality
+    window: Box
+    by_opacity: bool
+    """The object is what is opaque; one that is told by its colour needs all of the background around it."""
 
 
-def _bounds(elements: list[Any]) -> tuple[float, float, float, float]:
-    boxes = np.array([box for box in (element.bbox() for element in elements) if box is not None])
-    if not len(boxes):
-        return 0.0, 0.0, 1.0, 1.0
-    (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
-    return float(x0), float(y0), float(x1), float(y1)
+def _page(tree: ElementTree.Element, plain: bool, where: str) -> Page:
+    try:
+        page = page_of(tree)
+        if page is None and not plain:
+            raise SilhouetteError(
+                "unsupported", f"{where}: the drawing does not say how large it is; give <svg> a viewBox"
+            )
+        return page or Page(drawn_box(tree))
+    except (ValueError, OverflowError) as error:
+        if isinstance(error, SilhouetteError):
+            raise
+        raise SilhouetteError("unreadable", f"{where}: {error}; save the file again, or mend it") from error
+    except NotPlain as error:
+        raise SilhouetteError("empty", f"{where}: {error}; export the drawing as PNG") from error
 
 
-def _visible(element: Any) -> bool:
-    values = element.values
-    if str(values.get("visibility", "visible")).strip() in ("hidden", "collapse"):
-        return False
-    if str(values.get("fill", "black")).strip() in ("none", "transparent"):
-        return False
-    if element.fill is not None and element.fill.value is not None and element.fill.alpha == 0:
-        return False
-    return all(_number(values.get(key)) > 0.0 for key in ("opacity", "fill-opacity"))
+def _rendered(text: str, apart: bool, where: str) -> Image.Image:
+    try:
+        return render(text, apart)
+    except TooCostly as error:
+        raise SilhouetteError("too-large", f"{where}: {error}; simplify the drawing, or export it as PNG") from error
+    except RenderError as error:
+        raise SilhouetteError("unreadable", f"{where}: {error}; save the file again") from error
 
 
-def _number(value: object) -> float:
-    text = str(1.0 if value is None else value).strip()
-    return float(text[:-1]) / 100.0 if text.endswith("%") else float(text)
+def _seen(image: Image.Image, window: Box, where: str, parameters: ShapeParameters) -> _Seen:
+    opacity = np.asarray(image.getchannel("A"))
+    least, most = int(opacity.min()), int(opacity.max())
+    if most == 0:
+        raise SilhouetteError("empty", f"{where}: the drawing shows nothing on its page; mend it, or delete the file")
+    picture = grey_picture(image)
+    try:
+        share, component, quality = find_object(picture, where, parameters)
+    except SilhouetteError as error:
+        if error.reason != "one-colour" or least < most:
+            raise
+        component = np.ones((image.height, image.width), dtype=np.bool_)  # the page is full
+        full = ReadingQuality(covered=1.0, sides=ALL_SIDES)
+        return _Seen(component.astype(np.float64), component, full, window, False)
+    return _Seen(share, component, quality, window, picture.opaque_object)
 
 
-def _fill(element: Any) -> _Colour:
-    colour = element.fill
-    if colour is None or colour.value is None:
-        return _NO_COLOUR
-    return colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0
+def _traced(seen: _Seen, where: str) -> FloatArray:
+    left, top, right, bottom = seen.window
+    if seen.component.all():
+        return np.array([[left, top], [right, top], [right, bottom], [left, bottom]], dtype=np.float64)
+    contour = trace_contour(seen.share, seen.component, 0.0, where) + 0.5  # from pixels' centres to their corners
+    rows, columns = seen.share.shape
+    contour *= np.array([(right - left) / columns, (bottom - top) / rows])
+    return np.asarray(contour + np.array([left, top]))
 
 
-def _same(first: _Colour, second: _Colour) -> bool:
-    return max(abs(a - b) for a, b in zip(first, second, strict=True)) <= _SAME_COLOUR
+def _around(seen: _Seen, page: Box) -> Box:
+    rows, columns = seen.share.shape
+    scale = np.array([(page[2] - page[0]) / columns, (page[3] - page[1]) / rows])
+    row, column = np.flatnonzero(seen.component.any(axis=1)), np.flatnonzero(seen.component.any(axis=0))
+    low = np.array([column[0], row[0]]) * scale + page[:2]
+    high = np.array([column[-1] + 1, row[-1] + 1]) * scale + page[:2]
+    margin = _MARGIN * float((high - low).max()) + float(scale.max())
+    (left, top), (right, bottom) = (low - margin).tolist(), (high + margin).tolist()
+    return max(left, page[0]), max(top, page[1]), min(right, page[2]), min(bottom, page[3])
+
+
+def _drawing(region: Polygons, window: Box, pixels: int) -> str:
+    root = ElementTree.Element(f"{{{NAMESPACE}}}svg", frame(window, pixels))
+    rings = [ring for polygon in region for ring in (polygon.exterior, *polygon.interiors)]
+    data = "".join(f"M{' '.join(f'{x!r} {y!r}' for x, y in ring.coords)}z" for ring in rings)
+    ElementTree.SubElement(root, f"{{{NAMESPACE}}}path", {"d": data, "fill-rule": "evenodd"})
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _agreement(first: FloatArray, second: FloatArray) -> float:
+    """IoU of two shares of pixels, less what the renderer alone may have made of the same outline."""
+    differs = np.maximum(np.abs(first - second) - _QUARTER, 0.0)
+    return 1.0 - float(differs.sum() / np.maximum(first, second).sum())

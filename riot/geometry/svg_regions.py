@@ -1,19 +1,16 @@
-"""Filled elements of an SVG drawing → closed rings with curves flattened, and the regions that they fill (ours)."""
+"""Closed rings of a drawing → the regions that they fill, and the object among these regions (ours)."""
 
 from __future__ import annotations
 
-import itertools
-import math
 from typing import Any
 
 import numpy as np
 import shapely
-import svgelements
 
 from riot.geometry.crossings import TangleError
 from riot.types import FloatArray
 
-_MAX_POINTS = 200_000
+MAX_POINTS = 200_000
 """Greatest number of vertices of a drawing with flattened curves. Ours: it bounds the time."""
 
 _MAX_WINDINGS = 200_000_000
@@ -22,33 +19,42 @@ _MAX_WINDINGS = 200_000_000
 _WINDINGS_AT_ONCE = 2_000_000
 """Faces times vertices that are in memory together. Ours: it bounds the memory."""
 
-_MAX_CHORDS = 1000
-"""Greatest number of chords of a curve. Ours: enough for a full turn at the flatness of an outline."""
+_BACKGROUND_SHARE = 0.99
+"""An element that covers at least this share of the page is its background. Ours."""
+
+_SAME_COLOUR = 25
+"""Colours whose channels differ by at most this, of 255, are the same. Ours."""
+
+Colour = tuple[int, ...]
+"""Red, green, blue, 0 … 255."""
 
 
-def closed_rings(elements: list[Any], flatness: float) -> list[list[FloatArray]]:
-    """The closed rings, (m, 2) each, of each element, with curves flattened; rings have three vertices or more.
+def object_region(painted: list[tuple[Any, Colour]], page: Any) -> Any:
+    """The region of the object among what is painted in this order: all of it, less what has the background's colour.
 
-    Raises `riot.geometry.crossings.TangleError` for a drawing of too many vertices.
+    What covers the whole ``page`` (an icon on a coloured square) is the background. The result is cut to the page.
     """
-    element_rings: list[list[FloatArray]] = []
-    total = 0
-    for element in elements:
-        path = svgelements.Path(element)
-        path.approximate_arcs_with_cubics()
-        rings: list[FloatArray] = []
-        for subpath in path.as_subpaths():
-            ring = _ring(subpath, flatness, _MAX_POINTS - total)
-            total += len(ring)
-            if len(ring) >= 3:
-                rings.append(ring)
-        element_rings.append(rings)
-    return element_rings
+    background: Colour | None = None
+    region: Any = shapely.Polygon()
+    waiting: list[Any] = []  # unions are cheaper in bulk, and only a background's colour has to keep the order
+    for patch, colour in painted:
+        if patch.intersection(page).area >= _BACKGROUND_SHARE * page.area and (
+            background is None or _same(colour, background)
+        ):
+            background, region, waiting = colour, shapely.Polygon(), []
+        elif background is not None and _same(colour, background):
+            region, waiting = shapely.union_all([region, *waiting]).difference(patch), []
+        else:
+            waiting.append(patch)
+    region = shapely.union_all([region, *waiting])
+    # A square that fills the page on purpose has nothing painted over it.
+    if region.is_empty and background is not None:
+        region = shapely.union_all([patch for patch, _ in painted])
+    return region if page.contains(region) else region.intersection(page)
 
 
-def fills_even_odd(element: Any) -> bool:
-    """Whether an element is filled by the even–odd rule."""
-    return str(element.values.get("fill-rule", "nonzero")).strip() == "evenodd"
+def _same(first: Colour, second: Colour) -> bool:
+    return max(abs(a - b) for a, b in zip(first, second, strict=True)) <= _SAME_COLOUR
 
 
 def filled_region(rings: list[FloatArray], odd: bool) -> Any:
@@ -82,41 +88,3 @@ def _turns(ring: FloatArray, points: FloatArray) -> Any:
     up = (y0 <= y) & (y1 > y) & (side > 0.0)
     down = (y0 > y) & (y1 <= y) & (side < 0.0)
     return up.sum(axis=1) - down.sum(axis=1)
-
-
-def _ring(subpath: Any, flatness: float, allowed: int) -> FloatArray:
-    """Vertices, (m, 2), of a subpath with curves flattened; `TangleError` when they are more than ``allowed``."""
-    pieces: list[FloatArray] = []
-    for segment in subpath:
-        if segment.end is None:
-            continue
-        allowed -= len(pieces[-1]) if pieces else 0
-        if allowed <= 0:
-            raise TangleError(f"its curves have more than {_MAX_POINTS} points")
-        controls = [segment.start] if segment.start is not None else []
-        for name in ("control", "control1", "control2"):
-            point = getattr(segment, name, None)
-            if point is not None:
-                controls.append(point)
-        corners = np.array([[p.x, p.y] for p in (*controls, segment.end)], dtype=np.float64)
-        pieces.append(
-            corners[-1:] if len(corners) < 3 or isinstance(segment, svgelements.Move) else _flat(corners, flatness)
-        )
-    if not pieces:
-        return np.empty((0, 2))
-    ring = np.concatenate(pieces)
-    if not np.isfinite(ring).all():
-        raise ValueError("a coordinate is not finite")
-    return np.asarray(ring[(ring != np.roll(ring, 1, axis=0)).any(axis=1)], dtype=np.float64)
-
-
-def _flat(controls: FloatArray, flatness: float) -> FloatArray:
-    """Points, without the first, on a quadratic or cubic Bézier curve whose chords stay within ``flatness``."""
-    degree = len(controls) - 1
-    bend = float(np.linalg.norm(np.diff(controls, n=2, axis=0), axis=1).max()) * degree * (degree - 1)
-    steps = min(_MAX_CHORDS, max(1, math.ceil(math.sqrt(bend / (8.0 * flatness)))))
-    t = (np.arange(1, steps + 1) / steps)[:, None]
-    level = [np.broadcast_to(c, (steps, 2)) for c in controls]
-    while len(level) > 1:  # de Casteljau
-        level = [(1.0 - t) * a + t * b for a, b in itertools.pairwise(level)]
-    return np.asarray(level[0], dtype=np.float64)

@@ -10,7 +10,7 @@ from typing import Any
 
 from riot.transform.history import History, HistoryStep
 
-LIBRARIES = ("numpy", "scipy", "numba", "llvmlite", "shapely", "scikit-image", "pillow", "svgelements")
+LIBRARIES = ("numpy", "scipy", "numba", "llvmlite", "shapely", "scikit-image", "pillow", "resvg-py")
 """What computes a transform beside this library."""
 
 
