@@ -26,7 +26,7 @@ from pipeline.store.filesystem.choose import open_files
 from pipeline.store.location import Location
 from pipeline.store.storage_errors import writing_to
 from pipeline.tables.outputs import run_folder, swept
-from pipeline.tables.record import GALLERY, RECORD, REPORT, is_up_to_date, outcome_digest, write_record
+from pipeline.tables.record import CHECK, GALLERY, RECORD, REPORT, is_up_to_date, outcome_digest, write_record
 from pipeline.tables.results import Results
 from riot.errors import MissingExtraError, needs_extra
 
@@ -124,12 +124,12 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
             "workers": config.cluster.kind,
         }
         write_record(folder, results, digest, files, code, times)
-        page = _report(folder, listen)
+        page = _report(results, folder, listen)
         if page is None:
             code = WITH_ERRORS
         else:
             gallery = sorted(path for path in (folder / GALLERY).rglob("*") if path.is_file())
-            files = [*files, page, *gallery]
+            files = [*files, page, folder / CHECK, *gallery]
         times["seconds"] = time.perf_counter() - clock
         write_record(folder, results, digest, files, code, times)
     return RunOutcome(code, folder, page, True, time.perf_counter() - clock, results)
@@ -153,11 +153,12 @@ def run_stages(progress: Progress, run: Run) -> Progress:
     return progress
 
 
-def _report(folder: Path, listen: Listener) -> Path | None:
+def _report(results: Results, folder: Path, listen: Listener) -> Path | None:
     listen(Note("writing the report …"))
     try:
         with writing_to(folder):
             study.contents.write_contents(folder)
+            report.check.write_check(results, folder)
             return report.write.write_report(folder)
     except StorageError:
         raise

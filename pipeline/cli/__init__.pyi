@@ -1,4 +1,5 @@
 from . import cache as cache
+from . import check as check
 from . import facts as facts
 from . import fetch as fetch
 from . import match as match

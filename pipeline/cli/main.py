@@ -69,6 +69,9 @@ RIOT: Group = Group(
         "mine": Command(
             "mine a collection for the pairs that do, with tables and a report", lambda: cli.mine, "mine", RESUMES
         ),
+        "check": Command(
+            "show every outline of a folder on its picture, the doubtful ones first", lambda: cli.check, "mine"
+        ),
         "match": Command("find the best partners of a silhouette in a mined collection", lambda: cli.match, "mine"),
         "study": STUDY,
         "cache": CACHE,

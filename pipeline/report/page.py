@@ -16,7 +16,7 @@ from pipeline.report.pictures import HEIGHT, WIDTH
 from pipeline.report.rows import TransformRow
 from pipeline.report.run import ReportedRun
 from pipeline.tables.messages import sentences
-from pipeline.tables.record import GALLERY, STUDY
+from pipeline.tables.record import CHECK, GALLERY, STUDY
 from riot.errors import needs_extra
 
 with needs_extra("mine"):
@@ -127,6 +127,7 @@ def page(
         base=f"{GALLERY}/",
         size=(WIDTH, HEIGHT),
         gallery=f"{GALLERY}/{INDEX}",
+        check=CHECK if (run.folder / CHECK).exists() else "",
         classes=f"{GALLERY}/{CLASSES}" if len(run.classes) >= LEAST else "",
         studies=f"{STUDY}/index.html",
     )

@@ -36,7 +36,7 @@ def _doubtful(counts: Mapping[str, int]) -> list[str]:
         return []
     return [
         f"{several(doubtful, 'outline is', 'outlines are')} doubtful, and left out of the selection unless "
-        "shape.doubtful=keep (column doubts of shapes.parquet has the reasons)."
+        "shape.doubtful=keep: look at check.html, which shows every outline on its picture."
     ]
 
 

@@ -22,11 +22,12 @@ from riot.draw.texture.names import SIDES
 RECORD = "run.json"
 ARTIFACTS = "artifacts.json"
 REPORT = "report.html"
+CHECK = "check.html"
 GALLERY = "gallery"
 STUDY = "study"
 FORMAT = "riot-run"
 VERSION = 1
-SHOWING = ("pipeline.tables.write", "pipeline.report.write", "pipeline.study.contents")
+SHOWING = ("pipeline.tables.write", "pipeline.report.write", "pipeline.report.check", "pipeline.study.contents")
 """Modules whose code decides how tables and report look."""
 
 LIBRARIES = (

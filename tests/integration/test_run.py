@@ -402,3 +402,12 @@ def test_the_environment_changes_no_result(finished: Path, root: Path, tmp_path:
     # It ran in that folder, and wrote nothing else there.
     assert sorted(path.name for path in where.iterdir()) == ["outputs", "store"]
     assert not list(where.rglob(".tmp-*")) and not list(where.rglob(".probe*"))
+
+
+def test_the_report_leads_to_every_outline_on_its_picture(finished: Path) -> None:
+    folder = finished / "outputs" / "folder"
+    report = (folder / "report.html").read_text(encoding="utf-8")
+    assert report.index('href="check.html"') < report.index('href="gallery/index.html"')
+    sheet = (folder / "check.html").read_text(encoding="utf-8")
+    assert all(f"outline of {row['name']}" in sheet for row in table(finished, "shapes"))
+    assert "check.html" in json.loads((folder / "run.json").read_text(encoding="utf-8"))["files"]
