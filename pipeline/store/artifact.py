@@ -78,13 +78,23 @@ def decode(payload: bytes | memoryview) -> Artifact:
         start += -start % ALIGNMENT
         arrays: dict[str, AnyArray] = {}
         for entry in header["arrays"]:
-            low = start + entry["offset"]
-            raw = view[low : low + entry["bytes"]]
-            array = np.frombuffer(raw, dtype=np.dtype(entry["dtype"])).reshape(entry["shape"])
-            array.flags.writeable = False
-            arrays[entry["name"]] = array
+            arrays[entry["name"]] = _read_array(entry, view[start:])
+        if not isinstance(header["document"], dict):
+            raise PayloadError("not a whole artifact: its document is no object")
         return Artifact(arrays, header["document"])
     except PayloadError:
         raise
-    except (ValueError, KeyError, TypeError, struct.error) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError, struct.error) as error:
         raise PayloadError(f"not a whole artifact: {error}") from error
+
+
+def _read_array(entry: Mapping[str, Any], data: memoryview) -> AnyArray:
+    """An array of a payload whose arrays' bytes are ``data``, by its entry in the header, which may be anybody's."""
+    offset, size, shape, dtype = entry["offset"], entry["bytes"], entry["shape"], np.dtype(entry["dtype"])
+    if not all(type(number) is int and number >= 0 for number in (offset, size, *shape)):
+        raise PayloadError("not a whole artifact: an offset, length or shape is no natural number")
+    if dtype.kind not in "biuf" or offset + size > len(data):
+        raise PayloadError(f"not a whole artifact: an array of {dtype} ends at byte {offset + size} of {len(data)}")
+    array = np.frombuffer(data[offset : offset + size], dtype=dtype).reshape(shape)
+    array.flags.writeable = False
+    return array
