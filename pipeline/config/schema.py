@@ -228,7 +228,7 @@ class ClusterConfig(ParameterGroup):
         unit="s",
         meaning="How long external waits for the scheduler and its first worker, slurm for its first job.",
     )
-    dashboard: bool = parameter(False, meaning="Serve Dask's dashboard (local, slurm).")
+    dashboard: bool = parameter(False, meaning="Serve Dask's dashboard (local, slurm; extra dashboard).")
     limit: float | None = parameter(
         600.0,
         above=0,

@@ -31,14 +31,14 @@ SECONDS_TO_END = 30.0
 class IsolatedProcess:
     """A process that runs work items. It starts when it is needed, and again when it is lost.
 
-    ``limit``: an item that takes more seconds is stopped, with its process; None = never. ``program``: what Python
-    runs, with the number of an open socket as its last argument.
+    ``limit``: an item that takes more seconds is stopped, with its process; None = never; it may be set anew for each
+    task. ``program``: what Python runs, with the number of an open socket as its last argument.
     """
 
     def __init__(
         self, limit: float | None, program: Sequence[str] = ("-m", "pipeline.runtime.isolated_process")
     ) -> None:
-        self._limit, self._program = limit, program
+        self.limit, self._program = limit, program
         self._process: subprocess.Popen[bytes] | None = None
         self._connection: Connection | None = None
 
@@ -55,7 +55,7 @@ class IsolatedProcess:
         while waiting:
             try:
                 connection = self._start()
-                connection.send((root, tuple(waiting), self._limit))
+                connection.send((root, tuple(waiting), self.limit))
                 while waiting:
                     receipt: Receipt = connection.recv()
                     waiting.popleft()
@@ -101,7 +101,7 @@ class IsolatedProcess:
 
     def _failure(self, code: int, tries: int) -> Failure:
         if code == -signal.SIGALRM:
-            message = f"stopped after {self._limit:g} s; raise cluster.limit, or leave the item out"
+            message = f"stopped after {self.limit:g} s; raise cluster.limit, or leave the item out"
             return Failure(TIME_LIMIT, message, tries, "time-limit")
         cause = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         message = (
@@ -115,7 +115,7 @@ class IdleProcesses:
     """The isolated processes of a worker that are idle: it takes one for each task that it does at a time."""
 
     def __init__(self, make: Callable[[float | None], IsolatedProcess] = IsolatedProcess) -> None:
-        """``make`` gets the limit of a task for which there is none."""
+        """``make`` gets the limit of a task for which there is no process."""
         self._idle: list[IsolatedProcess] = []
         self._make = make
 
@@ -126,5 +126,6 @@ class IdleProcesses:
             process = self._idle.pop()
         except IndexError:
             process = self._make(limit)
+        process.limit = limit  # a worker outlives a run, and the next one may have another limit
         yield process
         self._idle.append(process)

@@ -17,7 +17,7 @@ from PIL import Image, ImageDraw
 
 from pipeline.run import main
 
-CLEAN, BAD_START, WITH_ERRORS, INTERRUPTED = 0, 2, 3, 130
+CLEAN, FAILED, BAD_START, WITH_ERRORS, INTERRUPTED = 0, 1, 2, 3, 130
 QUICK = (
     *("batch=4", "select=global", "select.top=3", "refine.candidates=2", "select.per_shape=2", "select.breadth=2"),
     *("bend.starts=1", "bend.modes=8", "bend.sketched=2", "bend.sketch_steps=4", "bend.steps=8"),

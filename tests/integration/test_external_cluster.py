@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
-from small_runs import BAD_START, CLEAN, command, digests, run_here, stages
+from small_runs import BAD_START, CLEAN, FAILED, command, digests, run_here, stages
 
 from pipeline.config.command_line import check_command, complete
 from pipeline.flow import run_pipeline
@@ -125,6 +125,25 @@ def test_workers_come_and_go_and_the_bytes_are_the_same(
     counts = Counter(row.split(" ")[0] for row in written)
     done = stages(where)
     assert all(counts[name] == done[name]["computed"] for name in ("ingest", "trunks", "qcrs", "crs", "construct"))
+
+
+@pytest.mark.system
+def test_a_run_says_that_its_scheduler_is_gone_and_goes_on_with_another(
+    deployment: Deployment, finished: Path, root: Path, tmp_path: Path
+) -> None:
+    deployment.workers(1)
+    deployment.wait_for(1)
+    where = tmp_path / "lost"
+    line = command(where, root, "cluster=external", f"cluster.address={deployment.address}")
+    process = subprocess.Popen(line, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    for text in process.stdout:
+        if text.startswith("trunks"):
+            kill(deployment.started[0])
+            break
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == FAILED and "scheduler was lost" in errors and "Traceback" not in errors
+    assert run_here(where, root).returncode == CLEAN and digests(where) == digests(finished)
 
 
 def test_a_scheduler_without_workers_that_will_do_is_no_start(

@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
+from distributed.client import FuturesCancelledError
 
 from pipeline.config.schema import ClusterConfig
+from pipeline.errors import StopError
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime import worker as perform_module
 from pipeline.runtime.clusters import Bundle, SyncExecutor, open_cluster
@@ -208,3 +211,42 @@ def test_receipts_tell_time_and_memory(tmp_path: Path, monkeypatch: pytest.Monke
     )
     (receipt,) = SyncExecutor().run(str(tmp_path), [[item("a")]])
     assert receipt.failure is None and receipt.seconds > 0 and receipt.peak_mb > 1
+
+
+class LostScheduler:
+    """Dask's client when the scheduler goes: tasks are cancelled, or messages fail, whichever comes first."""
+
+    def __init__(self, error: Exception, status: str) -> None:
+        self.error, self.status = error, status
+
+    def nthreads(self) -> dict[str, int]:
+        return {"tcp://127.0.0.1:1": 1}
+
+    def submit(self, *arguments: Any, **options: Any) -> Any:
+        raise self.error
+
+    def cancel(self, futures: list[Any]) -> None:
+        raise OSError("no scheduler")
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [(FuturesCancelledError([]), "running"), (OSError("closed"), "connecting"), (RuntimeError("closed"), "closed")],
+    ids=repr,
+)
+def test_a_lost_scheduler_stops_the_run_in_words(tmp_path: Path, error: Exception, status: str) -> None:
+    work = DaskExecutor(LostScheduler(error, status)).run(str(tmp_path), [[item("a")]])
+    with pytest.raises(StopError, match=r"scheduler was lost.*same command"):
+        list(work)
+
+
+def test_a_scheduler_lost_between_stages_stops_the_run_too(tmp_path: Path) -> None:
+    lost = LostScheduler(OSError(), "connecting")
+    lost.nthreads = partial(lost.submit)  # type: ignore[method-assign]
+    with pytest.raises(StopError, match="scheduler was lost"):
+        _ = DaskExecutor(lost).workers
+
+
+def test_other_errors_of_a_cluster_pass(tmp_path: Path) -> None:
+    with pytest.raises(ZeroDivisionError):
+        list(DaskExecutor(LostScheduler(ZeroDivisionError(), "running")).run(str(tmp_path), [[item("a")]]))

@@ -98,6 +98,14 @@ def test_a_process_stays_from_task_to_task_and_serves_one_at_a_time(script: str,
     second.close()
 
 
+def test_a_process_that_is_taken_again_has_the_new_limit() -> None:
+    idle = IdleProcesses()
+    with idle.take(600.0) as first:
+        assert first.limit == 600.0
+    with idle.take(None) as again:
+        assert again is first and again.limit is None
+
+
 def test_the_process_ends_with_its_worker() -> None:
     """A killed worker closes nothing itself: the system does, and the process reads the end."""
     code = (

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from typing import Any
 
+from pipeline.errors import StartError, StopError
 from pipeline.runtime.admission import SECONDS_BETWEEN_LOOKS, Admission
 from pipeline.runtime.clusters.executor import Bundle
 from pipeline.runtime.isolation import IdleProcesses
 from pipeline.runtime.retries import WORKER_LOST, WORKER_TRIES
 from pipeline.runtime.worker import Failure, Receipt
+from riot.errors import MissingExtraError, needs_extra
 
 PATIENCE = 10
 """Seconds after which missing workers are replaced, and that receipts may take to arrive."""
@@ -28,6 +33,31 @@ def run_on_worker(root: str, bundle: Bundle, limit: float | None = None) -> list
     idle = vars(get_worker()).setdefault("riot_processes", IdleProcesses())
     with idle.take(limit) as process:
         return list(process.run_items(root, bundle))
+
+
+def check_dashboard() -> None:
+    """Raise `StartError` where what draws Dask's dashboard is not installed."""
+    try:
+        with needs_extra("dashboard"):
+            importlib.import_module("bokeh")
+    except MissingExtraError as error:
+        raise StartError(f"cluster.dashboard=true: {error}") from error
+
+
+@contextlib.contextmanager
+def scheduler_needed(client: Any) -> Iterator[None]:
+    """Turn the errors of a lost scheduler into `StopError`; others pass as they are."""
+    try:
+        yield
+    except Exception as error:
+        # Without a scheduler Dask cancels the tasks, or cannot send a message; which of them, and how, is up to chance.
+        is_connected = getattr(client, "status", "running") == "running"
+        if is_connected and not isinstance(error, CancelledError):
+            raise
+        raise StopError(
+            "the connection to the Dask scheduler was lost; what is done is in the store: give the same command again "
+            "once a scheduler runs"
+        ) from error
 
 
 def set_dask_options(*, watched: bool = True) -> None:
@@ -73,7 +103,8 @@ class DaskExecutor:
     @property
     def workers(self) -> int:
         """Threads of all workers that may get tasks."""
-        return max(1, sum(self._threads().values()))
+        with scheduler_needed(self.client):
+            return max(1, sum(self._threads().values()))
 
     def _threads(self) -> dict[str, int]:
         if self.admission is not None:
@@ -106,30 +137,32 @@ class DaskExecutor:
             if suspects and not running:
                 submit(*suspects.popleft(), threads)
 
-        fill()
-        replaced = time.monotonic()
         try:
-            while running or waiting or suspects:
-                ended = self._ended(running)
-                if not ended or time.monotonic() > replaced + PATIENCE:
-                    self.replace_workers()
-                    replaced = time.monotonic()
-                for future in ended:
-                    task = running.pop(future)
-                    receipts = receipts_of(future)
-                    if receipts is not None:
-                        yield from receipts
-                    elif task.tries + 1 < WORKER_TRIES:
-                        suspects.append((task.bundle, task.tries + 1))
-                    elif task.tries < WORKER_TRIES:
-                        suspects.extend(([item], task.tries + 1) for item in task.bundle)
-                    else:
-                        failure = _failure(future, task.tries)
-                        yield from (Receipt(item.stage, item.key, failure=failure) for item in task.bundle)
-                    future.release()
+            with scheduler_needed(self.client):
                 fill()
+                replaced = time.monotonic()
+                while running or waiting or suspects:
+                    ended = self._ended(running)
+                    if not ended or time.monotonic() > replaced + PATIENCE:
+                        self.replace_workers()
+                        replaced = time.monotonic()
+                    for future in ended:
+                        task = running.pop(future)
+                        receipts = receipts_of(future)
+                        if receipts is not None:
+                            yield from receipts
+                        elif task.tries + 1 < WORKER_TRIES:
+                            suspects.append((task.bundle, task.tries + 1))
+                        elif task.tries < WORKER_TRIES:
+                            suspects.extend(([item], task.tries + 1) for item in task.bundle)
+                        else:
+                            failure = _failure(future, task.tries)
+                            yield from (Receipt(item.stage, item.key, failure=failure) for item in task.bundle)
+                        future.release()
+                    fill()
         finally:
-            self.client.cancel(list(running))
+            with contextlib.suppress(OSError, RuntimeError):  # of a scheduler that is gone, and has no tasks
+                self.client.cancel(list(running))
 
     def _ended(self, running: Mapping[Any, _Task]) -> list[Any]:
         """Wait for tasks to end; after a while without one, give those back that have no worker left."""

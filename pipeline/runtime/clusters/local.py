@@ -9,18 +9,24 @@ from collections.abc import Iterator
 from functools import partial
 
 from pipeline.config.schema import ClusterConfig
-from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker, set_dask_options
+from pipeline.runtime.clusters.dask_executor import DaskExecutor, check_dashboard, run_on_worker, set_dask_options
 from pipeline.runtime.clusters.executor import Executor
+from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.interrupts import interrupts_held
 from pipeline.runtime.threads import ONE_THREAD
 from riot.errors import needs_extra
 
+LOOPBACK = "127.0.0.1"
+"""All ports of the cluster are open to this machine alone."""
+
 
 @contextlib.contextmanager
-def open_local(config: ClusterConfig) -> Iterator[Executor]:
+def open_local(config: ClusterConfig, listen: Listener) -> Iterator[Executor]:
     """Start the workers, as many as the machine has cores if the configuration does not say; end them afterwards."""
     with needs_extra("mine"):
         from distributed import Client, LocalCluster
+    if config.dashboard:
+        check_dashboard()
 
     set_dask_options(watched=config.dashboard)
     workers = config.workers or os.cpu_count() or 1
@@ -30,12 +36,16 @@ def open_local(config: ClusterConfig) -> Iterator[Executor]:
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
-            dashboard_address=":8787" if config.dashboard else ":0",  # with None Dask tries 8787 all the same
+            host=LOOPBACK,
+            # With None Dask tries 8787 all the same; without a host it listens to all networks.
+            dashboard_address=f"{LOOPBACK}:{8787 if config.dashboard else 0}",
             memory_limit=0,  # a limit would kill by the machine's size, so that results would depend on it
             env=ONE_THREAD,
             silence_logs=logging.CRITICAL,
         )
     with cluster, Client(cluster) as client:
+        if config.dashboard:
+            listen(Note(f"dashboard: {client.dashboard_link}"))
         # A worker that dies while it starts takes its nanny with it; scaling to the same size starts another.
         task = partial(run_on_worker, limit=config.limit)
         yield DaskExecutor(client, task, replace_workers=lambda: cluster.scale(workers))

@@ -30,7 +30,7 @@ def open_cluster(config: ClusterConfig, root: Location | None = None, listen: Li
         case "sync":
             yield SyncExecutor()
         case "local":
-            with open_local(config) as executor:
+            with open_local(config, listen) as executor:
                 yield executor
         case "external":
             with open_external(config, root, listen) as executor:
