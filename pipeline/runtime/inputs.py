@@ -93,7 +93,7 @@ class Inputs:
         is_kept = is_tiled or self._next_use(source, position) < math.inf
         prepared = self._cache.get(source)
         if prepared is None:
-            artifact = self._store.get(*source)
+            artifact = self._store.read(*source)
             prepared = prepare(artifact)
             if is_kept:
                 size = sum(array.nbytes for array in artifact.arrays.values())

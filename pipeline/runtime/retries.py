@@ -5,9 +5,7 @@ from __future__ import annotations
 MACHINE_TRIES = 3
 """A work item is tried this often when the machine fails it (memory, files), and once when it fails by itself."""
 
-MACHINE_FAULTS = frozenset(
-    {"OSError", "MemoryError", "BlockingIOError", "TimeoutError", "PermissionError", "PayloadError"}
-)
+MACHINE_FAULTS = frozenset({"OSError", "MemoryError", "BlockingIOError", "TimeoutError", "PermissionError"})
 """Types of the errors of a machine that fails."""
 
 WORKER_TRIES = 3

@@ -60,7 +60,7 @@ def begin_run(config: Config, collection: Collection, store: Store) -> Progress:
     Raises `StartError` for a wish that names what the collection lacks.
     """
     check_wishes(config.select, collection.items)
-    read = ArtifactReader(store.get)
+    read = ArtifactReader(store.read)
     return begin(config, collection, recipes(config), lambda item: read(*item.reference))
 
 

@@ -2,13 +2,15 @@
 
 ``<stage>/<kk>/<key>/payload.bin`` is written first, ``manifest.json`` with the payload's digest last, each whole or
 not at all (`pipeline.store.filesystem`). Writers do not wait for one another: two of one key write the same payload.
-Whatever is torn, truncated or altered is a miss with the reason ``corrupt``, and gets written again.
+Whatever is torn, truncated or altered is a miss with the reason ``corrupt``, and gets written again. A run looks at
+sizes and times of change first (`Store.check_all`); each payload is checked to its last byte when it is read.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -139,13 +141,43 @@ class Store:
         except (PayloadError, OSError):
             return State.CORRUPT, {}
 
+    def glance(self, stage: str, key: str) -> tuple[State, Mapping[str, float]]:
+        """As `check`, but a payload of the right size that is not younger than its manifest counts as whole.
+
+        Whoever alters a payload later makes it younger, so that its bytes are checked. Damage that leaves size and time
+        as they were is found when the payload is read, or by `riot cache verify`.
+        """
+        try:
+            entry = self.entry(stage, key)
+            if entry is None:
+                return State.ABSENT, {}
+            stamps = self.files.stamps(folder_name(stage, key))
+            size, written = stamps.get(PAYLOAD, (-1, math.inf))
+            _, committed = stamps.get(MANIFEST, (-1, -math.inf))
+            if size == entry.size and written <= committed:
+                return State.PRESENT, entry.cost
+        except (PayloadError, OSError):
+            return State.CORRUPT, {}
+        return self.check(stage, key)
+
     def check_all(self, references: Sequence[tuple[str, str]]) -> list[tuple[State, Mapping[str, float]]]:
-        """`check` each of many (stage, key), in order; threads share the work, most of which is waiting and hashing."""
+        """`glance` at each of many (stage, key), in order; threads share the work, most of which is waiting."""
         starts = range(0, len(references), CHECKED_AT_A_TIME)
         rows = [references[start : start + CHECKED_AT_A_TIME] for start in starts]
         with ThreadPoolExecutor(self.files.threads) as threads:
-            checked = threads.map(lambda row: [self.check(*reference) for reference in row], rows)
+            checked = threads.map(lambda row: [self.glance(*reference) for reference in row], rows)
             return [state for row in checked for state in row]
+
+    def read(self, stage: str, key: str) -> Artifact:
+        """`get` for a run: a corrupt artifact is withdrawn, so that the next run makes it again."""
+        try:
+            return self.get(stage, key)
+        except PayloadError:
+            if self.state(stage, key) is State.PRESENT:  # another process has written it meanwhile
+                return self.get(stage, key)
+            with contextlib.suppress(OSError):  # of a store that cannot be written
+                self.files.remove(f"{folder_name(stage, key)}/{MANIFEST}")
+            raise
 
     def get(self, stage: str, key: str) -> Artifact:
         """Read an artifact; the payload is checked, and its arrays are read-only views of the mapped file.

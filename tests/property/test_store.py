@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import struct
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from pipeline.errors import PayloadError
-from pipeline.store.artifact import Artifact, decode, encode
+from pipeline.store.artifact import ALIGNMENT, MAGIC, Artifact, canonical_json, decode, encode
 from pipeline.store.filesystem.local import MAPPED_SIZE
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import CHECKED_AT_A_TIME, MANIFEST, PAYLOAD, TEMPORARY, State, Store
@@ -165,3 +168,75 @@ def test_a_failed_write_leaves_nothing(store: Store) -> None:
         store.put(parts(), Artifact({"x": np.array([None])}))
     assert store.state("stage", parts().key()) is State.ABSENT
     assert not list(store.root.rglob(f"{TEMPORARY}*"))
+
+
+def in_the_past(store: Store, key: str) -> None:
+    """Make both files of an artifact an hour older."""
+    for path in (store.folder("stage", key) / PAYLOAD, store.folder("stage", key) / MANIFEST):
+        os.utime(path, (path.stat().st_mtime - 3600,) * 2)
+
+
+def test_a_glance_reads_no_payload_that_is_older_than_its_manifest(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key = store.put(parts(), example(), {"seconds": 1.0})
+    in_the_past(store, key)
+    monkeypatch.setattr(Store, "payload", lambda *_: pytest.fail("a payload was read"))
+    assert store.glance("stage", key) == (State.PRESENT, {"seconds": 1.0})
+
+
+@pytest.mark.parametrize("kind", ["truncated", "altered", "longer", "empty", "missing", "torn manifest"])
+def test_a_glance_finds_what_was_damaged_later(store: Store, kind: str) -> None:
+    key = store.put(parts(), example())
+    in_the_past(store, key)
+    damage(store, kind)
+    assert store.glance("stage", key)[0] is State.CORRUPT
+
+
+def test_damage_that_keeps_the_time_is_found_by_reading_and_then_made_again(store: Store) -> None:
+    key = store.put(parts(), example())
+    payload = store.folder("stage", key) / PAYLOAD
+    before = payload.stat().st_mtime
+    damage(store, "altered")
+    os.utime(payload, (before, before))
+    assert store.glance("stage", key)[0] is State.PRESENT and store.state("stage", key) is State.CORRUPT
+    with pytest.raises(PayloadError):
+        store.read("stage", key)
+    assert store.glance("stage", key)[0] is State.ABSENT
+
+
+DEEP = b"[" * 100_000
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        {"offset": -64},
+        {"bytes": -8},
+        {"offset": 64},
+        {"offset": 0.0},
+        {"shape": [-1]},
+        {"shape": [10**30]},
+        {"dtype": "|V8"},
+        {"dtype": "|O"},
+        {"dtype": "<M8[s]"},
+        {"dtype": "<U2"},
+    ],
+    ids=str,
+)
+def test_a_header_that_lies_is_no_artifact(entry: dict[str, Any]) -> None:
+    good = {"name": "x", "dtype": "<f8", "shape": [1], "offset": 0, "bytes": 8}
+    for change, refused in (({}, False), (entry, True)):
+        header = canonical_json({"arrays": [{**good, **change}], "document": {}}).encode()
+        payload = MAGIC + struct.pack("<Q", len(header)) + header
+        payload += bytes(-len(payload) % ALIGNMENT + 8)
+        if refused:
+            with pytest.raises(PayloadError):
+                decode(payload)
+        else:
+            assert decode(payload).arrays["x"].tolist() == [0.0]
+
+
+def test_a_deep_header_is_no_artifact() -> None:
+    with pytest.raises(PayloadError):
+        decode(MAGIC + struct.pack("<Q", len(DEEP)) + DEEP)

@@ -45,6 +45,9 @@ class Files(Protocol):
     def sizes(self, folder: str) -> dict[str, int]:
         """Bytes of the files right in a folder, by name; empty when it is not there."""
 
+    def stamps(self, folder: str) -> dict[str, tuple[int, float]]:
+        """Bytes, and time of the last change in seconds, of the files right in a folder; nan for an unknown time."""
+
     def remove(self, name: str) -> None:
         """Remove a file, or a folder with everything in it; whatever is gone already is no error."""
 

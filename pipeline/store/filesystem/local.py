@@ -11,6 +11,7 @@ import fcntl
 import mmap
 import os
 import shutil
+import stat
 import uuid
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -69,13 +70,17 @@ class LocalFiles:
 
     def sizes(self, folder: str) -> dict[str, int]:
         """See `Files.sizes`."""
-        sizes = {}
+        return {name: size for name, (size, _) in self.stamps(folder).items()}
+
+    def stamps(self, folder: str) -> dict[str, tuple[int, float]]:
+        """See `Files.stamps`."""
+        stamps = {}
         for name in self.names(folder):
-            path = self.location / folder / name
             with contextlib.suppress(FileNotFoundError):  # another process has removed it
-                if path.is_file():
-                    sizes[name] = path.stat().st_size
-        return sizes
+                status = (self.location / folder / name).stat()
+                if stat.S_ISREG(status.st_mode):
+                    stamps[name] = (status.st_size, status.st_mtime_ns / 1e9)
+        return stamps
 
     def remove(self, name: str) -> None:
         """See `Files.remove`."""

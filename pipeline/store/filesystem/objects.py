@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any
 
 from pipeline.errors import StartError
@@ -53,8 +55,16 @@ class ObjectFiles:
 
     def sizes(self, folder: str) -> dict[str, int]:
         """See `Files.sizes`."""
+        return {name: size for name, (size, _) in self.stamps(folder).items()}
+
+    def stamps(self, folder: str) -> dict[str, tuple[int, float]]:
+        """See `Files.stamps`; S3 tells the time, in whole seconds, and other stores may not."""
         listed = self._listed(folder)
-        return {name: int(listed[name]["size"]) for name in sorted(listed) if listed[name]["type"] == "file"}
+        return {
+            name: (int(listed[name]["size"]), _seconds(listed[name].get("LastModified")))
+            for name in sorted(listed)
+            if listed[name]["type"] == "file"
+        }
 
     def remove(self, name: str) -> None:
         """See `Files.remove`."""
@@ -86,6 +96,10 @@ class ObjectFiles:
             below = [entry for entry in entries if entry["name"].strip("/") != path.strip("/")]
             return {entry["name"].rstrip("/").rpartition("/")[2]: entry for entry in below}
         return {}
+
+
+def _seconds(time: Any) -> float:
+    return time.timestamp() if isinstance(time, datetime) else math.nan
 
 
 def open_objects(location: Url) -> ObjectFiles:
