@@ -2,6 +2,7 @@
 
     python benchmarks/fabrication.py                         Dudeney's triangle and six exact pairs
     python benchmarks/fabrication.py RUN/transforms --top 20  the first .riot files of a folder, by name
+    python benchmarks/fabrication.py RUN/transforms --every 19 --pivot screw
     python benchmarks/fabrication.py RUN/transforms --fix     the same, mended where the size that is asked for fails
 
 Read back are the solids of every STL and 3MF file (trimesh) and the areas of the laser's outlines in SVG and DXF (a
@@ -39,6 +40,7 @@ from riot.fabricate.export.flat_parts import flat_parts
 from riot.fabricate.export.solids import write_puzzle
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.kernels.warm import warm_all
+from riot.parameters.fabrication import PIVOTS
 from riot.transform.riot_file import load
 from riot.transform.transform import Transform
 
@@ -53,8 +55,10 @@ EXACT = ((3, 1), (4, 2), (4, 3), (5, 5), (6, 1), (6, 2))
 class Figures:
     """One puzzle; lengths in mm, volumes in cm³ (all pieces) and mm³ (in common), NaN where there is none.
 
-    ``gap`` is the least found among samples of the motion, ``proven`` what is proven at every moment. ``solids`` is
-    the greatest number of connected components of one part.
+    ``hinges`` is the greatest share of a piece that its hinges take, ``overhang`` the greatest lean of a layer over the
+    one below in degrees, ``bridge`` the longest bridge, ``press`` the least interference of a pin. ``gap`` is the least
+    found among samples of the motion, ``proven`` what is proven at every moment. ``solids`` is the greatest number of
+    connected components of one part.
     """
 
     name: str
@@ -63,6 +67,10 @@ class Figures:
     size: float = float("nan")
     solids: int = 0
     volume: float = float("nan")
+    hinges: float = float("nan")
+    overhang: float = float("nan")
+    bridge: float = float("nan")
+    press: float = float("nan")
     wall: float = float("nan")
     gap: float = float("nan")
     proven: float = float("nan")
@@ -78,11 +86,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, nargs="?", help="a folder of .riot files")
     parser.add_argument("--top", type=int, default=20, help="so many of them (default 20)")
+    parser.add_argument("--every", type=int, default=1, help="every so many-th of the folder's files (default 1)")
+    parser.add_argument("--pivot", choices=tuple(PIVOTS), default="printed", help="what hinges turn on")
     parser.add_argument("--size", type=float, default=FabricationParameters().size_mm, help="long side, mm")
     parser.add_argument("--fix", action="store_true", help="mend what fails, as riot print --fix does")
     parser.add_argument("--json", type=Path, help="write the figures to this file too")
     chosen = parser.parse_args(arguments)
-    paths = [] if chosen.folder is None else sorted(chosen.folder.glob("*.riot"))[: chosen.top]
+    paths = [] if chosen.folder is None else sorted(chosen.folder.glob("*.riot"))[:: chosen.every][: chosen.top]
     if chosen.folder is not None and not paths:
         parser.error(f"no .riot files in {chosen.folder}")
     warm_all(lambda text: print(text, file=sys.stderr))
@@ -90,7 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not given:
         given = [(f"exact pair {n}, {seed}", exact_transform(exact_pair(n, seed))) for n, seed in EXACT]
     given.insert(0, ("Dudeney", exact_transform(dudeney())))
-    parameters = FabricationParameters(size_mm=chosen.size)
+    parameters = FabricationParameters(**{**PIVOTS[chosen.pivot], "size_mm": chosen.size})
     rows = [measured(name, transform, parameters, mend=chosen.fix) for name, transform in given]
     show(rows)
     if chosen.json:
@@ -117,6 +127,12 @@ def measured(name: str, transform: Transform, parameters: FabricationParameters,
         puzzle.design.parameters.size_mm,
         max(check.components for check in certificate.parts),
         sum(check.volume for check in certificate.parts if check.name.startswith("piece")) / 1000.0,
+        certificate.hinge_share,
+        certificate.overhang,
+        certificate.bridge,
+        min(
+            (check.interference for check in certificate.hinges if check.interference is not None), default=float("nan")
+        ),
         certificate.wall,
         certificate.motion.gap,
         certificate.motion.floor if certificate.motion.proven else float("nan"),

@@ -16,12 +16,14 @@ from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.texture.names import PATTERNS, SIDES
 from riot.errors import FabricationError
 from riot.fabricate import export
-from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix
+from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix, way_out
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
 from riot.fabricate.plates import check_bed
 from riot.kernels.warm import compile_used
+from riot.parameters import FabricationParameters
 from riot.transform.riot_file import load
+from riot.transform.transform import Transform
 
 
 def add_options(parser: Parser) -> None:
@@ -73,12 +75,9 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
 
     compile_used(output.note, __name__)
     output.note("designs the pieces and proves that they move")
-    puzzle = (fix if chosen.fix else build)(transform, parameters)
-    _show(puzzle, output)
+    puzzle = _certified(transform, parameters, chosen.fix, output)
     if paper:
         output.show(*(f"warning: {words}" for words in export.flat.laser_notes(puzzle.design)))
-    if not puzzle.certificate.passed:
-        raise FabricationError("uncertified", "; ".join(puzzle.certificate.failures))
     output.note("writes the files")
     files = write_puzzle(
         puzzle.design,
@@ -91,6 +90,24 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     document = json.loads((chosen.output / "parts.json").read_bytes())
     output.facts({"changes": puzzle.changes, "puzzle": document, "files": files}, *map(str, files))
     return 0
+
+
+def _certified(transform: Transform, parameters: FabricationParameters, mend: bool, output: Output) -> BuiltPuzzle:
+    """The puzzle; if it fails, an error that says with which sizes it has been built and passes."""
+    try:
+        puzzle = (fix if mend else build)(transform, parameters)
+        _show(puzzle, output)
+        if puzzle.certificate.passed:
+            return puzzle
+        error = FabricationError("uncertified", "; ".join(puzzle.certificate.failures))
+    except FabricationError as refusal:
+        error = refusal
+    if not mend:
+        output.note("looks for sizes at which it can be made")
+        error = FabricationError(
+            error.reason, f"{error}. Way out: {way_out(transform, parameters)}", error.parameter, error.value
+        )
+    raise error
 
 
 def _show(puzzle: BuiltPuzzle, output: Output) -> None:

@@ -150,6 +150,17 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None, *
         tried = following
 
 
+def way_out(transform: Transform, parameters: FabricationParameters) -> str:
+    """What would make a puzzle that fails: parameters with which it has been built and passes; or that nothing does."""
+    try:
+        changes = fix(transform, parameters).changes
+    except FabricationError:
+        return "no size, pin or wall mends it: take another transform (--rank, --pieces)"
+    return (
+        f"it passes with {', '.join(changes)} (--fix); a transform of fewer pieces (riot make --pieces) has larger ones"
+    )
+
+
 def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) -> FabricationParameters | None:
     """Return the parameters to try next, or None if none is left.
 

@@ -120,25 +120,23 @@ def size_for_hinges(piece: PieceDesign, design: Design, parameters: FabricationP
 
 
 def _large_hinges(piece: PieceDesign, design: Design, size: float) -> str:
-    """What is wrong with a piece's hinges, and each way out with the size at which it holds."""
+    """What is wrong with a piece's hinges, and at which sizes it is not, with these and with thinner ones."""
     parameters = design.parameters
     ways = [f"enlarge size_mm ({parameters.size_mm:g}) to {size:g}"]
-    thin = replace(parameters, wall_mm=LEAST_WALL_MM)
-    if knuckle_radius(thin) < knuckle_radius(parameters):
-        ways.append(f"thin wall_mm ({parameters.wall_mm:g}) to {LEAST_WALL_MM:g}{_at(piece, design, thin)}")
-    filament = replace(parameters, pivot="rod", pin_mm=FILAMENT_MM)
-    if knuckle_radius(filament) < knuckle_radius(parameters):
-        ways.append(f"take filament for pins (pivot=rod, pin_mm={FILAMENT_MM:g}){_at(piece, design, filament)}")
-    ways.append("take a transform of fewer pieces (riot make --pieces)")
+    for words, thinner in (
+        (f"wall_mm={LEAST_WALL_MM:g}", replace(parameters, wall_mm=LEAST_WALL_MM)),
+        (
+            f"filament for pins (pivot=rod, pin_mm={FILAMENT_MM:g})",
+            replace(parameters, pivot="rod", pin_mm=FILAMENT_MM),
+        ),
+    ):
+        if knuckle_radius(thinner) < knuckle_radius(parameters):
+            least = size_for_hinges(piece, design, thinner)
+            ways.append(f"to {least:g} with {words}" if least > parameters.size_mm else f"take {words}")
     return (
         f"{part_words(piece)}: its hinges are {piece.hinge_share:.0%} as large as it, more than "
-        f"{LARGEST_HINGE_SHARE:.0%}: {'; or '.join(ways)}"
+        f"{LARGEST_HINGE_SHARE:.0%}: {', or '.join(ways)}"
     )
-
-
-def _at(piece: PieceDesign, design: Design, parameters: FabricationParameters) -> str:
-    size = size_for_hinges(piece, design, parameters)
-    return "" if size <= parameters.size_mm else f" and enlarge size_mm to {size:g}"
 
 
 def part_words(piece: PieceDesign) -> str:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import re
 import struct
+import zipfile
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ import trimesh
 
 from riot.cli import print_puzzle
 from riot.cli.main import main
+from riot.draw.palette import PIECES
 from riot.fabricate import Design, FabricationError, FabricationParameters, design
 from riot.fabricate.certificate import FabricationCertificate, certify
 from riot.fabricate.export.solids import stl_bytes, write_puzzle
@@ -100,6 +103,18 @@ def test_the_list_of_parts_adds_up(puzzle: Puzzle, folder: Path) -> None:
     assert len([hinge for hinge in document["hinges"] if hinge["kind"] == "pin"]) == 3
 
 
+def test_pieces_of_a_plate_have_the_colours_of_their_pictures(folder: Path) -> None:
+    with zipfile.ZipFile(folder / "plate-1.3mf") as archive:
+        root = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
+    space = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+    (group,) = root.iter(f"{space}basematerials")
+    colours = {base.attrib["name"]: base.attrib["displaycolor"] for base in group}
+    assert [colours[f"piece-{k + 1}"] for k in range(4)] == [colour.upper() for colour in PIECES[:4]]
+    for part in root.iter(f"{space}object"):
+        assert part.attrib["pid"] == group.attrib["id"]
+        assert group[int(part.attrib["pindex"])].attrib["name"] == part.attrib["name"]
+
+
 def test_an_stl_has_unit_normals_that_point_outwards(puzzle: Puzzle) -> None:
     data = stl_bytes(puzzle[1][0])
     (count,) = struct.unpack("<I", data[80:84])
@@ -176,6 +191,11 @@ class TestPrint:
         [
             (["--size", "5"], "--size: must be 30 to 1000 mm, got 5.0"),
             (SMALL, "enlarge --size (30)"),
+            (
+                ["--size", "30"],
+                "its hinges are 108% as large as it, more than 25%: enlarge --size (30) to 62, or to 52 with filament",
+            ),
+            (["--size", "30"], "Way out: it passes with --size:"),
         ],
     )
     def test_says_why_it_cannot_be_made(

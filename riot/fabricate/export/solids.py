@@ -15,6 +15,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from riot.draw.palette import PIECES, hue
 from riot.errors import FabricationError
 from riot.fabricate.certificate import FabricationCertificate
 from riot.fabricate.export.folder import PUZZLE_FILES, new_folder
@@ -42,6 +43,7 @@ _RELATIONS = (
     'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
     "</Relationships>\n"
 )
+_GREY = "#9aa3ad"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -92,21 +94,29 @@ def stl_bytes(part: Part) -> bytes:
 
 
 def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
-    """A plate as 3MF: every part that lies on it as a named object, and where it lies; nothing is compressed."""
+    """A plate as 3MF: every part that lies on it as a named object with its colour, and where it lies, uncompressed.
+
+    The colours are those of the pieces in pictures, as base materials; pins, caps and sleeves are grey.
+    """
     named = {part.name: part for part in parts}
     used = [part for part in parts if any(item.name == part.name for item in plate)]
     ids = {part.name: k + 1 for k, part in enumerate(used)}
     title = f"{design.transform.p.name} – {design.transform.q.name}"
+    materials = f'pid="{len(used) + 1}" pindex="{{}}"'
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}">',
         f'<metadata name="Title">{quoteattr(title)[1:-1]}</metadata>',
         '<metadata name="Application">riot</metadata>',
         "<resources>",
+        f'<basematerials id="{len(used) + 1}">',
+        *(f'<base name={quoteattr(part.name)} displaycolor="{_colour(part, design)}"/>' for part in used),
+        "</basematerials>",
     ]
-    for part in used:
+    for k, part in enumerate(used):
         points, triangles = part.mesh()
-        lines.append(f'<object id="{ids[part.name]}" type="model" name={quoteattr(part.name)}><mesh><vertices>')
+        lines.append(f'<object id="{ids[part.name]}" type="model" name={quoteattr(part.name)} {materials.format(k)}>')
+        lines.append("<mesh><vertices>")
         lines += [f'<vertex x="{_number(x)}" y="{_number(y)}" z="{_number(z)}"/>' for x, y, z in points.tolist()]
         lines.append("</vertices><triangles>")
         lines += [f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in triangles.tolist()]
@@ -128,6 +138,11 @@ def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
             entry.create_system, entry.external_attr = 3, 0o644 << 16
             archive.writestr(entry, text.encode("utf-8"))
     return held.getvalue()
+
+
+def _colour(part: Part, design: Design) -> str:
+    index = next((piece.index for piece in design.pieces if piece.name == part.name), None)
+    return (_GREY if index is None else PIECES[hue(index, len(design.pieces))]).upper()
 
 
 def _placement(item: PlacedPart, part: Part) -> list[float]:

@@ -1,0 +1,127 @@
+"""Other programs read the solids: PrusaSlicer asks for no support and lays holes and pins as wide as designed; admesh
+finds nothing to repair. Skipped where a program is missing."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from riot.fabricate import Design, FabricationParameters, design, write_puzzle
+from riot.fabricate.certificate import certify
+from riot.fabricate.solid import make_parts
+from riot.groundtruth.pairs import dudeney, exact_transform
+from riot.parameters.fabrication import PIVOTS
+from riot.types import FloatArray
+
+pytestmark = pytest.mark.system
+LINE_MM = 0.45
+"""Width of the outer line that PrusaSlicer is told to lay."""
+
+CHORDS_MM = 0.05
+"""How much narrower a circle may come out that is laid in chords; half the interference of a pin."""
+
+needs_slicer = pytest.mark.skipif(shutil.which("prusa-slicer") is None, reason="PrusaSlicer is not installed")
+needs_admesh = pytest.mark.skipif(shutil.which("admesh") is None, reason="admesh is not installed")
+
+
+@pytest.fixture(scope="module", params=sorted(PIVOTS))
+def puzzle(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Design, Path]:
+    puzzle_design = design(exact_transform(dudeney()), FabricationParameters(**PIVOTS[request.param]))
+    parts = make_parts(puzzle_design)
+    folder = tmp_path_factory.mktemp("sliced") / request.param
+    write_puzzle(puzzle_design, parts, certify(puzzle_design, parts), folder)
+    return puzzle_design, folder
+
+
+def sliced(model: Path, folder: Path, *options: str) -> str:
+    target = folder / f"{model.stem}.gcode"
+    settings = ["--nozzle-diameter", "0.4", "--layer-height", "0.2", "--first-layer-height", "0.2", "--skirts", "0"]
+    settings += ["--external-perimeter-extrusion-width", str(LINE_MM), "--gcode-comments", *options]
+    subprocess.run(["prusa-slicer", "-g", str(model), *settings, "-o", str(target)], check=True, capture_output=True)
+    return target.read_text()
+
+
+def outer_loops(code: str, height: float) -> list[FloatArray]:
+    """The outer perimeters of the layer that ends at a height: middle lines of what is laid, mm."""
+    layer = next(part for part in code.split(";LAYER_CHANGE") if re.search(rf"^;Z:{height:g}$", part, re.MULTILINE))
+    loops: list[list[tuple[float, float]]] = []
+    outer = False
+    for line in layer.splitlines():
+        if line.startswith(";TYPE:"):
+            outer = "External perimeter" in line or "Overhang perimeter" in line
+        move = re.match(r"G1 X([-\d.]+) Y([-\d.]+)(?: E([\d.]+))?", line)
+        if move is None:
+            continue
+        there = float(move[1]), float(move[2])
+        if move[3] is None:
+            loops.append([there])
+        elif outer:
+            loops[-1].append(there)
+    return [np.array(loop) for loop in loops if len(loop) > 8]
+
+
+def widths(code: str, height: float) -> list[float]:
+    """Diameters of the round loops of a layer, smallest first."""
+    found = []
+    for loop in outer_loops(code, height):
+        region = shapely.Polygon(loop)
+        round_ = region.area / (region.length**2 / (4.0 * np.pi))
+        if round_ > 0.97:
+            found.append(2.0 * float(np.sqrt(region.area / np.pi)))
+    return sorted(found)
+
+
+@needs_slicer
+def test_the_slicer_asks_for_no_support(puzzle: tuple[Design, Path], tmp_path: Path) -> None:
+    for model in sorted(puzzle[1].glob("*.stl")):
+        code = sliced(model, tmp_path, "--support-material", "--support-material-auto")
+        assert "TYPE:Support" not in code, model.name
+        assert "TYPE:External perimeter" in code
+
+
+@needs_slicer
+def test_the_slicer_does_ask_where_a_piece_lies_wrongly(puzzle: tuple[Design, Path], tmp_path: Path) -> None:
+    code = sliced(puzzle[1] / "piece-1.stl", tmp_path, "--support-material", "--rotate-x", "180")
+    assert "TYPE:Support" in code
+
+
+@needs_slicer
+def test_holes_and_pins_are_laid_as_wide_as_designed(puzzle: tuple[Design, Path], tmp_path: Path) -> None:
+    puzzle_design, folder = puzzle
+    sizes = puzzle_design.parameters
+    held = sizes.pin_mm + 2.0 * sizes.clearance_mm if sizes.pivot == "screw" else sizes.pin_mm - sizes.press_mm
+    for piece in puzzle_design.pieces:
+        code = sliced(folder / f"{piece.name}.stl", tmp_path)
+        # Below the head, or above the nut: the last layer of the knuckle away from the bed.
+        height = sizes.levels[0] if not piece.upside_down else round(sizes.height - sizes.levels[1], 6)
+        count = (piece.start.kind == "pin") + (piece.end.kind == "pin")
+        holes = [width - LINE_MM for width in widths(code, height)][:count]
+        wanted = sizes.pin_mm + 2.0 * sizes.clearance_mm if piece.upside_down else held
+        assert holes == pytest.approx([wanted] * len(holes), abs=CHORDS_MM) and holes
+    if sizes.pivot == "printed":
+        code = sliced(folder / "pin.stl", tmp_path)
+        (pin,) = [width + LINE_MM for width in widths(code, 6.0)][-1:]
+        assert pin == pytest.approx(sizes.pin_mm, abs=CHORDS_MM)
+        assert pin - held == pytest.approx(sizes.press_mm, abs=CHORDS_MM)
+
+
+@needs_slicer
+def test_the_plate_is_sliced_as_a_whole(puzzle: tuple[Design, Path], tmp_path: Path) -> None:
+    code = sliced(puzzle[1] / "plate-1.3mf", tmp_path, "--support-material", "--bed-shape", "0x0,220x0,220x220,0x220")
+    assert "TYPE:Support" not in code and code.count(";LAYER_CHANGE") >= round(puzzle[0].parameters.height / 0.2)
+
+
+@needs_admesh
+def test_admesh_finds_nothing_to_repair(puzzle: tuple[Design, Path]) -> None:
+    for model in sorted(puzzle[1].glob("*.stl")):
+        words = subprocess.run(["admesh", str(model)], check=True, capture_output=True, text=True).stdout
+        for what in ("Degenerate facets", "Edges fixed", "Facets removed", "Facets added", "Backwards edges"):
+            assert re.search(rf"{what}\s+:\s+0\b", words), (model.name, what)
+        assert re.search(r"Total disconnected facets\s+:\s+0\s+0\b", words)
+        assert re.search(r"Number of parts\s+:\s+1\b", words)
