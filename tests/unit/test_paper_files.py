@@ -14,14 +14,16 @@ import shapely
 from PIL import Image
 
 from riot.draw.files import PictureFormatError
-from riot.draw.scene import Label, Region, Scene
+from riot.draw.scene import Bitmap, Label, Region, Scene
 from riot.draw.texture.names import Side
 from riot.draw.texture.paint import PlainTexture, find_textures
 from riot.draw.texture.source import ByteArray
 from riot.fabricate import Design, FabricationParameters, design
+from riot.fabricate.export.booklet import booklet, write_booklet
 from riot.fabricate.export.flat import FlatFormatError
 from riot.fabricate.export.flat_parts import KINDS
-from riot.fabricate.export.page import page_scenes, write_page
+from riot.fabricate.export.laser_sheet import LASER_COLOURS
+from riot.fabricate.export.page import page_scenes
 from riot.fabricate.export.paper import Frame
 from riot.fabricate.export.paperwork import write_paperwork
 from riot.fabricate.export.picture import EYE, PICTURE_DOTS_PER_INCH, draw_puzzle
@@ -97,7 +99,7 @@ def test_faces_leave_the_hinges_free(puzzle_design: Design) -> None:
 
 def test_pdf_pages_are_paper(puzzle_design: Design, tmp_path: Path) -> None:
     write_sheets(puzzle_design, tmp_path / "sheet.pdf", PlainTexture(4), "p", 40.0)
-    write_page(puzzle_design, tmp_path / "page.pdf")
+    write_booklet(puzzle_design, tmp_path / "page.pdf")
     for name in ("sheet.pdf", "page.pdf"):
         data = (tmp_path / name).read_bytes()
         boxes = [[float(x) for x in box.split()] for box in re.findall(rb"/MediaBox \[([^\]]+)\]", data)]
@@ -157,6 +159,26 @@ def test_assembly_page_tells_all(puzzle_design: Design) -> None:
         assert all(10.0 < mark.x < 200.0 and 10.0 < mark.y < 290.0 for mark in page.marks if isinstance(mark, Label))
 
 
+def test_the_booklet_shows_every_step(puzzle_design: Design) -> None:
+    pages = booklet(puzzle_design)
+    assert [page.title for page in pages] == ["front page", "steps", "assembly", "assembly", "laser"]
+    words = [" ".join(mark.text for mark in page.marks if isinstance(mark, Label)) for page in pages]
+    assert "P ⇄ Q" in words[0] and sum(isinstance(mark, Bitmap) for mark in pages[0].marks) == 2
+    n, first = len(puzzle_design.pieces), puzzle_design.motion.open_hinge
+    for k in range(n - 1):
+        before, after = (first + k) % n + 1, (first + k + 1) % n + 1
+        upper = after if puzzle_design.pieces[after - 1].start.role == "upper" else before
+        assert f"Lay the knuckle of {upper} on that of {before + after - upper}." in words[1]
+    assert words[1].count("Press a pin") == sum(pin.count for pin in puzzle_design.pins)
+    for layer, colour in LASER_COLOURS.items():
+        assert f"{layer}:" in words[-1] and colour in words[-1]
+    assert "laser-layers: " in words[-1]
+    turned = replace(puzzle_design, transform=replace(puzzle_design.transform, mirrored_q=True))
+    assert any("Turn it over." in mark.text for mark in booklet(turned)[1].marks if isinstance(mark, Label))
+    for page in pages:
+        assert all(9.0 < mark.x < 201.0 and 9.0 < mark.y < 288.0 for mark in page.marks if isinstance(mark, Label))
+
+
 def png(path: Path) -> Image.Image:
     return Image.open(io.BytesIO(path.read_bytes())).convert("RGB")
 
@@ -181,7 +203,7 @@ def test_picture_taken_apart_is_larger(puzzle_design: Design, tmp_path: Path) ->
 def test_paper_is_deterministic(puzzle_design: Design, tmp_path: Path) -> None:
     for name in ("first", "second"):
         write_sheets(puzzle_design, tmp_path / f"{name}.pdf", Places(), "q", 60.0)
-        write_page(puzzle_design, tmp_path / f"{name}-page.pdf")
+        write_booklet(puzzle_design, tmp_path / f"{name}-page.pdf")
         draw_puzzle(puzzle_design, tmp_path / f"{name}.png", "q", apart=True, textures={"q": Places()})
     for suffix in (".pdf", "-page.pdf", ".png"):
         assert (tmp_path / f"first{suffix}").read_bytes() == (tmp_path / f"second{suffix}").read_bytes()
@@ -191,7 +213,7 @@ def test_other_formats_are_refused(puzzle_design: Design, tmp_path: Path) -> Non
     with pytest.raises(FlatFormatError, match=r"\.pdf"):
         write_sheets(puzzle_design, tmp_path / "sheet.svg", PlainTexture(4), "p")
     with pytest.raises(FlatFormatError, match=r"\.pdf"):
-        write_page(puzzle_design, tmp_path / "page.png")
+        write_booklet(puzzle_design, tmp_path / "page.png")
     with pytest.raises(PictureFormatError, match=r"\.png"):
         draw_puzzle(puzzle_design, tmp_path / "whole.pdf", "p")
     assert not list(tmp_path.iterdir())

@@ -12,12 +12,13 @@ if TYPE_CHECKING:
     from riot.fabricate.model import Design, HingeEnd
 
 _NOUNS = {"printed": "pins", "rod": "rods with caps", "screw": "countersunk screws with nuts"}
-_PINS = {
+PIN_STEPS = {
     "printed": "Press a pin through both from above, until its head is flush.",
     "rod": "Press a rod through both until it is flush below, then a cap on it from above.",
     "screw": "Lay a nut into the pocket below, and turn a screw into it from above until the knuckle just turns; "
     "a drop of glue on the nut keeps it so.",
 }
+"""How two knuckles that lie on each other are joined, by the kind of pin."""
 
 
 def shape_names(design: Design) -> tuple[str, str]:
@@ -35,7 +36,7 @@ def steps(design: Design) -> list[str]:
     sentences = [f"Lay the pieces on the table, fronts up, in this order: {', '.join(map(str, order))}."]
     if design.pins:
         sentences.append(
-            "At every pin hinge lay the knuckle of one piece on that of the next. " + _PINS[design.pins[0].kind]
+            "At every pin hinge lay the knuckle of one piece on that of the next. " + PIN_STEPS[design.pins[0].kind]
         )
     if motion.lifted:
         joined = ", ".join(f"{(hinge - 1) % n + 1} and {hinge + 1}" for hinge in motion.lifted)

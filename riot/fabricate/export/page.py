@@ -1,29 +1,22 @@
-"""Assembly page: what lies on the table and what to do with it, as a PDF of two pages (ours)."""
+"""The pages for reference: both shapes, the chain and the swing; then parts, steps, warnings and sizes. Ours."""
 
 from __future__ import annotations
 
-import os
 import textwrap
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-import shapely.ops
 
-from riot.draw.keyframes import painting_order
 from riot.draw.palette import hue
-from riot.draw.pdf import pdf_bytes
-from riot.draw.scene import Mark, Region, Scene
-from riot.fabricate.export.flat import FlatFormatError
+from riot.draw.scene import Mark, Scene
 from riot.fabricate.export.instructions import end_in_words, pins_in_words, shape_names, sizes, steps, warnings
-from riot.fabricate.export.paper import Frame, disc, number_marks, region_mark, sheet, text
-from riot.transform.pose import Pose
+from riot.fabricate.export.paper import region_mark, sheet, text
+from riot.fabricate.export.poses import chain, closed, drawn, fit, frames_of, ratio, size_of
 
 if TYPE_CHECKING:
-    from riot.fabricate.model import Design, PieceDesign
-    from riot.types import FloatArray
+    from riot.fabricate.model import Design
 
 WIDTH, HEIGHT = 210.0, 297.0
 """A4, mm."""
@@ -42,20 +35,8 @@ _LETTERS = 104
 """Of a line of text."""
 
 
-def write_page(design: Design, path: str | os.PathLike[str]) -> None:
-    """Write the assembly page: the numbered pieces in both shapes, the chain, the swing, parts, pins and warnings.
-
-    The same design gives the same bytes. Raises `riot.fabricate.export.flat.FlatFormatError` for a suffix other than
-    .pdf.
-    """
-    target = Path(path)
-    if target.suffix.lower() != ".pdf":
-        raise FlatFormatError(f"cannot write the assembly page {target.name!r}: use a file name that ends in .pdf")
-    target.write_bytes(pdf_bytes(page_scenes(design), unit_mm=1.0))
-
-
 def page_scenes(design: Design) -> list[Scene]:
-    """The pages of `write_page`, in mm."""
+    """The pages, in mm: pictures, and lists."""
     return [sheet("assembly", WIDTH, HEIGHT, marks) for marks in (_pictures(design), *_lists(design))]
 
 
@@ -71,20 +52,20 @@ def _pictures(design: Design) -> list[Mark]:
     top -= 20.0
 
     half = 0.5 * (width - 10.0)
-    closed = [_closed(design, t) for t in (0.0, 1.0)]
-    scale = min(_fit(frames, design, half, _SHAPES_MM) for frames in closed)
-    high = max(_size(frames, design)[1] for frames in closed) * scale
-    for k, (frames, name) in enumerate(zip(closed, names, strict=True)):
+    shut = [closed(design, t) for t in (0.0, 1.0)]
+    scale = min(fit(frames, design, half, _SHAPES_MM) for frames in shut)
+    high = max(size_of(frames, design)[1] for frames in shut) * scale
+    for k, (frames, name) in enumerate(zip(shut, names, strict=True)):
         middle = PAGE_MARGIN_MM + 0.5 * half + k * (half + 10.0)
-        marks += _drawn(design, frames, scale, middle, top - 0.5 * high, numbers=True)
+        marks += drawn(design, frames, scale, middle, top - 0.5 * high, numbers=True)
         marks.append(text(middle, top - high - 7.0, name, 3.6, anchor="middle", weight="bold"))
-    marks.append(text(0.5 * WIDTH, top - high - 7.0, _ratio(scale), 2.8, "note", "middle"))
+    marks.append(text(0.5 * WIDTH, top - high - 7.0, ratio(scale), 2.8, "note", "middle"))
     top -= high + 17.0
 
-    chain = _chain(design)
-    scale = _fit(chain, design, width, _CHAIN_MM)
-    high = _size(chain, design)[1] * scale
-    marks += _drawn(design, chain, scale, 0.5 * WIDTH, top - 0.5 * high, numbers=True, hinges=True)
+    laid = chain(design)
+    scale = fit(laid, design, width, _CHAIN_MM)
+    high = size_of(laid, design)[1] * scale
+    marks += drawn(design, laid, scale, 0.5 * WIDTH, top - 0.5 * high, numbers=True, hinges=True)
     words = f"the chain, seen from the front: {names[0]}'s outline below, {names[1]}'s above"
     marks.append(text(0.5 * WIDTH, top - high - 7.0, words, 2.8, "note", "middle"))
     kinds = "● pin hinge   ○ open ends" + ("   ◎ telescopic hinge" if design.motion.lifted else "")
@@ -98,8 +79,8 @@ def _swing(design: Design, top: float) -> list[Mark]:
     """Poses of the motion in rows, all at one scale."""
     names, width = shape_names(design), WIDTH - 2 * PAGE_MARGIN_MM
     times = np.linspace(0.0, 1.0, ROWS * COLUMNS)
-    groups = [_frames(design, design.motion.pose_at(float(t))) for t in times]
-    sizes = np.array([_size(frames, design) for frames in groups]).reshape(ROWS, COLUMNS, 2)
+    groups = [frames_of(design, design.motion.pose_at(float(t))) for t in times]
+    sizes = np.array([size_of(frames, design) for frames in groups]).reshape(ROWS, COLUMNS, 2)
     wide, high = sizes[..., 0].sum(axis=1), sizes[..., 1].max(axis=1)
     marks: list[Mark] = []
     height_left = top - PAGE_MARGIN_MM - ROWS * _APART_MM - 4.0
@@ -110,7 +91,7 @@ def _swing(design: Design, top: float) -> list[Mark]:
         for column in range(COLUMNS):
             own = scale * float(sizes[row, column, 0])
             frames = groups[row * COLUMNS + column]
-            marks += _drawn(design, frames, scale, x + 0.5 * own, top - 0.5 * tall, hinges=True)
+            marks += drawn(design, frames, scale, x + 0.5 * own, top - 0.5 * tall, hinges=True)
             x += own + space
         top -= tall + _APART_MM
     marks.append(text(0.5 * WIDTH, top - 3.0, f"the swing from {names[0]} to {names[1]}", 2.8, "note", "middle"))
@@ -165,95 +146,3 @@ def _numbered(texts: Sequence[str]) -> list[tuple[str, str]]:
         first, *more = textwrap.wrap(words, _LETTERS)
         lines += [("text", f"{number}.  {first}"), *(("text", f"     {line}") for line in more)]
     return lines
-
-
-def _closed(design: Design, t: float) -> list[Frame]:
-    return _frames(design, design.transform.pose(t))
-
-
-def _chain(design: Design) -> list[Frame]:
-    """The chain laid out straight from the open hinge."""
-    n, x = len(design.pieces), 0.0
-    frames = [Frame(0.0, 0.0, 0.0)] * n
-    for k in range(n):
-        i = (design.motion.open_hinge + k) % n
-        frames[i] = Frame(0.0, x, 0.0)
-        x += design.pieces[i].length
-    return frames
-
-
-def _frames(design: Design, pose: Pose) -> list[Frame]:
-    origins = (design.scale * pose.origins).tolist()
-    return [Frame(heading, x, y) for heading, (x, y) in zip(pose.headings.tolist(), origins, strict=True)]
-
-
-def _box(frames: Sequence[Frame], design: Design) -> FloatArray:
-    """(2, 2) lower left and upper right corner of the pieces."""
-    points = np.concatenate([frame.paper(piece.outline) for frame, piece in zip(frames, design.pieces, strict=True)])
-    return np.stack([points.min(axis=0), points.max(axis=0)])
-
-
-def _size(frames: Sequence[Frame], design: Design) -> FloatArray:
-    low, high = _box(frames, design)
-    size: FloatArray = high - low
-    return size
-
-
-def _fit(frames: Sequence[Frame], design: Design, width: float, height: float) -> float:
-    wide, high = _size(frames, design).tolist()
-    return min(1.0, width / float(wide), height / float(high))
-
-
-def _ratio(scale: float) -> str:
-    return "true size" if scale == 1.0 else f"scale 1 : {1.0 / scale:.3g}"
-
-
-def _drawn(
-    design: Design,
-    frames: Sequence[Frame],
-    scale: float,
-    x: float,
-    y: float,
-    *,
-    numbers: bool = False,
-    hinges: bool = False,
-) -> list[Mark]:
-    """The pieces about (x, y), higher planes of the motion over lower ones."""
-    n = len(design.pieces)
-    shift = np.array([x, y]) - scale * _box(frames, design).mean(axis=0)
-    marks: list[Mark] = [
-        Region((scale * frames[i].paper(design.pieces[i].outline) + shift,), f"piece{hue(i, n)}")
-        for i in painting_order(design.motion)
-    ]
-    if hinges:
-        marks += _hinges(design, frames, scale, shift)
-    if numbers:
-        for i, piece in enumerate(design.pieces):
-            middle = shapely.maximum_inscribed_circle(shapely.Polygon(piece.outline)).coords[0]
-            ((at_x, at_y),) = (scale * frames[i].paper(np.array([middle])) + shift).tolist()
-            marks += number_marks(at_x, at_y, i + 1, 2.8)
-    return marks
-
-
-def _on_piece(piece: PieceDesign, x: float, frame: Frame, is_open: bool) -> FloatArray:
-    """A hinge at x of a piece's edge on paper; an open one, whose narrow corner is cut away, where the piece is."""
-    point = shapely.Point(x, 0.0)
-    if is_open:
-        point = shapely.ops.nearest_points(shapely.Polygon(piece.outline), point)[0]
-    on_paper: FloatArray = frame.paper(shapely.get_coordinates(point))[0]
-    return on_paper
-
-
-def _hinges(design: Design, frames: Sequence[Frame], scale: float, shift: FloatArray) -> list[Mark]:
-    n, first = len(design.pieces), design.motion.open_hinge
-    radius = max(0.6, 0.5 * scale * design.parameters.pin_mm)
-    marks: list[Mark] = []
-    for i, (piece, frame) in enumerate(zip(design.pieces, frames, strict=True)):
-        start = scale * _on_piece(piece, 0.0, frame, i == first) + shift
-        marks.append(disc(float(start[0]), float(start[1]), "open" if i == first else "hinge", radius))
-        if piece.start.kind == "telescopic":
-            marks.append(disc(float(start[0]), float(start[1]), "open", 0.5 * radius))
-        if (i + 1) % n == first:
-            end = scale * _on_piece(piece, piece.length, frame, True) + shift
-            marks.append(disc(float(end[0]), float(end[1]), "open", radius))
-    return marks

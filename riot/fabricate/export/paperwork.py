@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from riot.draw.texture.names import SIDES
+from riot.fabricate.export.booklet import write_booklet
 from riot.fabricate.export.flat import write_flat_files
-from riot.fabricate.export.page import write_page
 from riot.fabricate.export.picture import draw_puzzle
 from riot.fabricate.export.sheets import SHEET_DOTS_PER_INCH, write_sheets
 
@@ -28,7 +28,7 @@ def write_paperwork(
     dxf: bool = True,
     dots_per_inch: float = SHEET_DOTS_PER_INCH,
 ) -> list[Path]:
-    """Write laser files, texture sheets, assembly page and pictures into a folder that exists; returns their paths.
+    """Write laser files, texture sheets, the booklet and pictures into a folder that exists; returns their paths.
 
     ``laser-*.svg`` and, with ``dxf``, ``laser-*.dxf``; ``texture-front.pdf`` and ``texture-back.pdf`` for sides that
     have a texture, their pictures with so many ``dots_per_inch``; ``assembly.pdf``; ``puzzle-p.png``, ``puzzle-q.png``,
@@ -41,7 +41,7 @@ def write_paperwork(
         written.append(folder / SHEETS[side])
         write_sheets(design, written[-1], texture, side, dots_per_inch)
     written.append(folder / "assembly.pdf")
-    write_page(design, written[-1])
+    write_booklet(design, written[-1], textures)
     for side in SIDES:
         for name, apart in (("puzzle", False), ("apart", True)):
             written.append(folder / f"{name}-{side}.png")

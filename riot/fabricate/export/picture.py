@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -77,7 +77,7 @@ def puzzle_view(
     back = side == "q" and (texture is not None or design.transform.mirrored_q)
     frames = _frames(design, side, back, APART_SHARE if apart else 0.0)
     bodies = [_piece(design, i, frame, back, side, texture) for i, frame in enumerate(frames)]
-    bodies += _pins(design, frames) if apart else _pushed_in(design, frames)
+    bodies += _pins(design, frames) if apart else _pushed_in(design, frames, back)
     view = render(bodies, _PIXEL_MM, EYE)
     return view if texture is not None and not apart else _numbered(design, view, frames, side, back)
 
@@ -132,20 +132,30 @@ def _piece(design: Design, index: int, frame: Frame, back: bool, side: Side, tex
     return Body(*prisms(layers), PIECES[hue(index, len(design.pieces))], top)
 
 
-def _pushed_in(design: Design, frames: list[Frame]) -> list[Body]:
+def _pushed_in(design: Design, frames: list[Frame], back: bool) -> list[Body]:
     """The pins in their hinges."""
-    bodies = []
+    bodies, height = [], design.parameters.height
     for piece, frame in zip(design.pieces, frames, strict=True):
-        if piece.start.kind == "pin":
+        if piece.start.kind == "pin" and design.pivot is not None:
             (axis,) = frame.paper(np.array([[piece.start.x, piece.start.y]]))
-            base = rings(shapely.Point(axis).buffer(0.5 * design.parameters.pin_mm))
-            bodies.append(Body(*prisms([(0.0, design.parameters.height, base)]), _METAL))
+            layers = _tubes(design.pivot.profile, axis)
+            if back:
+                layers = [(height - high, height - low, base) for low, high, base in layers]
+            bodies.append(Body(*prisms(layers), _METAL))
     return bodies
+
+
+def _tubes(tubes: Sequence[Ring], axis: FloatArray) -> list[tuple[float, float, tuple[FloatArray, ...]]]:
+    """Rings around an axis as layers: from z, to z, and the base."""
+    middle = shapely.Point(axis)
+    return [
+        (tube.low, tube.high, rings(middle.buffer(tube.radius).difference(middle.buffer(tube.hole)))) for tube in tubes
+    ]
 
 
 def _pins(design: Design, frames: list[Frame]) -> list[Body]:
     """A pin over every pin hinge, a sleeve over every telescopic one, and dashes from it to the two pieces it joins."""
-    height, pin = design.parameters.height, design.parameters.pin_mm
+    height = design.parameters.height
     low = PIN_LIFT * height
     bodies = []
     for index, piece in enumerate(design.pieces):
@@ -157,14 +167,10 @@ def _pins(design: Design, frames: list[Frame]) -> list[Body]:
         middle = 0.5 * (start + end)
         for hinge in (start, end):
             bodies += _dashes(np.append(hinge, height), np.append(middle, low))
-        axis = shapely.Point(middle)
-        tubes: tuple[Ring, ...] = (Ring(0.0, height, 0.5 * pin),)
+        tubes: tuple[Ring, ...] = () if design.pivot is None else design.pivot.profile
         if piece.start.kind == "telescopic" and design.telescope is not None:
             tubes = design.telescope.sleeve
-        layers = [
-            (low + tube.low, low + tube.high, rings(axis.buffer(tube.radius).difference(axis.buffer(tube.hole))))
-            for tube in tubes
-        ]
+        layers = [(low + bottom, low + top, base) for bottom, top, base in _tubes(tubes, middle)]
         bodies.append(Body(*prisms(layers), _METAL))
     return bodies
 
