@@ -21,7 +21,7 @@ from riot.parameters.field import ParameterGroup, parameter
 with needs_extra("mine"):
     from platformdirs import user_cache_path
 
-PICTURES = frozenset({*PICTURE_SUFFIXES, ".svg"})
+PICTURES = frozenset({*PICTURE_SUFFIXES, ".svg", ".svgz"})
 """Files with these suffixes are items of a collection. Ingest finds out whether they can be read."""
 
 Kind = Literal["sample", "folder", "mpeg7", "animals", "paper"]

@@ -189,8 +189,10 @@ def _keep_drawn(root: ElementTree.Element) -> None:
         for child in list(parent):
             if tag_of(child) in _IGNORED or _space(child.tag) != ("" if bare else NAMESPACE):
                 parent.remove(child)
-        for name in [name for name in parent.attrib if _space(name) and name not in _HREFS]:
-            del parent.attrib[name]
+        for name, value in list(parent.attrib.items()):
+            empty = not value.strip() or (name in ("rx", "ry") and value.strip() == "auto")
+            if empty or name == "requiredFeatures" or (_space(name) and name not in _HREFS):
+                del parent.attrib[name]
 
 
 def _refuse_other_files(root: ElementTree.Element, where: Path) -> None:
@@ -208,8 +210,11 @@ def _refuse_other_files(root: ElementTree.Element, where: Path) -> None:
 
 
 def _refuse_not_drawn(root: ElementTree.Element, where: Path) -> None:
+    filters = {f"url(#{element.get('id')})" for element in root.iter() if tag_of(element) == "filter"}
     for element in root.iter():
         tag = tag_of(element)
+        if element.get("filter", "none").startswith("url") and element.get("filter") not in filters:
+            raise SilhouetteError("unsupported", f"{where}: <{tag}> names a filter that is not there; delete the name")
         reason = _NOT_DRAWN.get(tag)
         if (tag == "text" and not "".join(element.itertext()).strip()) or _needs_an_extension(element):
             reason = None

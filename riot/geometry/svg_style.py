@@ -8,6 +8,8 @@ from __future__ import annotations
 import re
 from xml.etree import ElementTree
 
+from PIL import ImageColor
+
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
 _NOT_IN_FORCE = r"print|speech|\(\s*prefers-color-scheme\s*:\s*dark\s*\)|\(\s*prefers-reduced-motion\s*:\s*reduce\s*\)"
 _IGNORED_RULES = re.compile(
@@ -33,34 +35,68 @@ _FUNCTION = re.compile(r"([\w-]+)\(")
 _PAINT_FUNCTIONS = frozenset({"url", "rgb", "rgba", "hsl", "hsla"})
 _FILTER_FUNCTIONS = frozenset({"blur", "drop-shadow", "brightness", "contrast", "grayscale", "hue-rotate", "invert",
                                "opacity", "saturate", "sepia"})  # fmt: skip
-_MODERN_COLOUR = re.compile(r"(?:rgb|hsl)a?\([^(),]{1,40}[ /][^(),]{1,40}\)", re.IGNORECASE)
+_COLOURS = frozenset({"fill", "stroke", "color", "stop-color", "flood-color", "lighting-color"})
+_COLOUR_WORDS = frozenset({*ImageColor.colormap, "none", "transparent", "currentColor", "inherit"})
+_HEX = re.compile(r"#(?:[0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})")
+_CALL = re.compile(r"[\w-]+\([^()]*\)")
+_LATER_COLOUR = re.compile(
+    r"(?:rgb|hsl)a?\((?:[^(),]{1,40}[ /][^(),]{1,40}|(?:[^(),]{1,40},){3}[^(),]{1,40}%[^(),]{0,9}"
+    r"|[^(),]{1,40}(?:deg|rad|turn)[^()]{1,80})\)"
+)
+"""Colours without commas, with an opacity in percent, or with a unit of angle."""
+_KEYS = frozenset({"display", "visibility", "fill-rule", "clip-rule"})
+"""Properties whose values are words."""
 _KEYWORDS = re.compile(r"^(?:initial|unset|revert|revert-layer|context-fill|context-stroke)$")
 _UNITS = re.compile(r"[\d.](?:rem|vw|vh|vmin|vmax|ch|q|lh|cap|ic)\b", re.IGNORECASE)
 
 _PROPERTIES = frozenset(
-    {
-        *("transform", "transform-box", "translate", "rotate", "scale", "zoom", "all", "animation", "animation-name"),
-        *(
-            "offset-path",
-            "perspective",
-            "clip",
-            "mask-image",
-            "mask-size",
-            "mask-position",
-            "mask-mode",
-            "clip-rule-box",
-        ),
-        *("mask-border", "mask-clip", "mask-composite", "mask-origin", "mask-repeat", "content-visibility"),
-        *("x", "y", "cx", "cy", "r", "rx", "ry", "width", "height", "d", "inset", "contain", "backdrop-filter"),
-    }
+    [
+        "all",
+        "animation",
+        "animation-name",
+        "backdrop-filter",
+        "clip",
+        "contain",
+        "content-visibility",
+        "cx",
+        "cy",
+        "d",
+        "height",
+        "inset",
+        "mask-border",
+        "mask-clip",
+        "mask-composite",
+        "mask-image",
+        "mask-mode",
+        "mask-origin",
+        "mask-position",
+        "mask-repeat",
+        "mask-size",
+        "offset-path",
+        "perspective",
+        "r",
+        "rotate",
+        "rx",
+        "ry",
+        "scale",
+        "transform",
+        "transform-box",
+        "translate",
+        "width",
+        "x",
+        "y",
+        "zoom",
+    ]
 )
 """CSS properties that change what a browser draws, and not what resvg does."""
+
+_PREFIXED = _PROPERTIES | {"mask", "clip-path", "filter"}
+"""Those that browsers know with ``-webkit-`` before them."""
 
 _ATTRIBUTES = frozenset({"transform-box", "mask-image", "mask-border", "offset-path"})
 """Those of them that are attributes, too."""
 
 _VALUES = frozenset({("vector-effect", "non-scaling-stroke")})
-_PLAIN = re.compile(r"^[\w#%.,\s+-]*$")
 _NOT_STYLE = frozenset({"d", "points", "transform", "gradientTransform", "patternTransform", "id", "class", "style",
                         "values", "viewBox", "href", "{http://www.w3.org/1999/xlink}href"})  # fmt: skip
 
@@ -83,7 +119,7 @@ def unsupported_sheet(element: ElementTree.Element) -> str | None:
     for selector, body in _RULE.findall(sheet):
         if _SELECTOR.search(selector):
             return f'the selector "{_short(selector)}"'
-        lacking = _unsupported(body)
+        lacking = _unsupported(body, in_sheet=True)
         if lacking is not None:
             return lacking
     rest = _RULE.sub("", sheet).strip()
@@ -97,6 +133,8 @@ def unsupported_attributes(element: ElementTree.Element, is_root: bool) -> str |
     'the CSS property transform'
     """
     for name, value in element.attrib.items():
+        if is_root and name == "transform":
+            return "a transform of the whole page"
         if name == "style":
             lacking = _unsupported(
                 _COMMENT.sub(" ", _one_line(value)), frozenset({"width", "height"}) if is_root else frozenset()
@@ -112,11 +150,15 @@ def unsupported_attributes(element: ElementTree.Element, is_root: bool) -> str |
     return None
 
 
-def _unsupported(declarations: str, allowed: frozenset[str] = frozenset()) -> str | None:
+def _unsupported(declarations: str, allowed: frozenset[str] = frozenset(), in_sheet: bool = False) -> str | None:
     for declaration in declarations.split(";"):
         name, colon, value = declaration.partition(":")
         name = name.strip()
-        if not colon or name.startswith(("-inkscape", "-webkit", "-moz", "-ms")):
+        if not colon and name and in_sheet:  # a browser drops it alone, resvg the rule
+            return f'the broken declaration "{_short(name)}"'
+        if name.startswith("-webkit-") and name.removeprefix("-webkit-") in _PREFIXED:
+            return f"the CSS property {name}"
+        if not colon or (name.startswith("-") and not name.startswith("--")):
             continue
         if (name in _PROPERTIES and name not in allowed) or name.startswith("--"):
             return f"the CSS property {name}"
@@ -130,15 +172,25 @@ def _unsupported(declarations: str, allowed: frozenset[str] = frozenset()) -> st
 
 def _unsupported_value(name: str, value: str) -> str | None:
     value = _one_line(value)
-    if _KEYWORDS.match(value) or (name, value) in _VALUES or _UNITS.search(value):
-        return f"{name}: {_short(value)}"
-    if _PLAIN.match(value):
-        return None
+    if name.startswith(("font", "text", "line-", "letter-")):
+        return None  # there is no text
     known = _PAINT_FUNCTIONS | (_FILTER_FUNCTIONS if name == "filter" else frozenset())
-    unknown = [function for function in _FUNCTION.findall(value) if function not in known]
-    if unknown or (_MODERN_COLOUR.search(value) and name not in ("font", "font-family")):
+    if (
+        _KEYWORDS.match(value)
+        or (name, value) in _VALUES
+        or _UNITS.search(value)
+        or any(function not in known for function in _FUNCTION.findall(value))
+        or _LATER_COLOUR.search(value)
+        or (name in _KEYS and value != value.lower())
+        or (name in _COLOURS and not _is_colour(value))
+    ):
         return f"{name}: {_short(value)}"
     return None
+
+
+def _is_colour(value: str) -> bool:
+    words = _CALL.sub(" ", value.removesuffix("!important")).split()
+    return all(word in _COLOUR_WORDS or _HEX.fullmatch(word) for word in words)
 
 
 def _short(text: str) -> str:

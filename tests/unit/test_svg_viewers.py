@@ -57,6 +57,9 @@ HIDDEN = {
     "a switch": '<switch><g systemLanguage="xx">' + CARD + '</g><rect width="1" height="1"/></switch>',
     "text that flows": "<flowRoot><flowRegion>" + CARD + "</flowRegion></flowRoot>",
     "beside the page": CARD.format('transform="translate(200 0)"'),
+    "an attribute without value": '<g fill="none">' + CARD.format('fill=""') + "</g>",
+    "a percentage": CARD.format('opacity="0%"'),
+    "no feature": '<switch><rect requiredFeatures="absent" width="1" height="1"/>' + CARD + "</switch>",
     "an extension": '<foreignObject requiredExtensions="http://ns.example/"><g>' + CARD + "</g></foreignObject>",
 }
 
@@ -150,6 +153,13 @@ REFUSED = {
     "a colour with a slash": ('<g fill="rgb(0 0 0 / 0%)"/>', "rgb(0 0 0 / 0%)"),
     "a colour of a new kind": ('<g fill="oklch(0 0 0)"/>', "oklch"),
     "unset": ('<g fill="unset"/>', "unset"),
+    "a declaration without value": ("<style>rect{broken;fill:none}</style>", "broken"),
+    "an opacity in percent": ('<g fill="rgba(0,0,0,0%)"/>', "rgba(0,0,0,0%)"),
+    "an angle in degrees": ('<g fill="hsla(120deg,100%,50%,0)"/>', "deg"),
+    "no name of a colour": ('<g fill="NONE"/>', "NONE"),
+    "a word in capitals": ('<g display="NONE"/>', "NONE"),
+    "a filter that is not there": ('<g filter="url(#absent)"/>', "filter"),
+    "a property with a prefix": ('<g style="-webkit-mask:url(#a)"/>', "-webkit-mask"),
     "a calculation": ('<g opacity="calc(1 - 1)"/>', "calc"),
     "a clip path as a function": ('<g style="clip-path:circle(9px)"/>', "circle"),
     "a stroke that keeps its width": ('<g vector-effect="non-scaling-stroke"/>', "non-scaling-stroke"),
