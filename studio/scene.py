@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from msgspec import Struct
 
@@ -10,9 +12,9 @@ from riot.draw.palette import hue
 from riot.geometry.polyline import simplify, simplify_open
 from riot.geometry.shape import Shape
 from riot.motion.planner import motion_of
-from riot.transform.centreline import centre_line_overlap
 from riot.transform.certificate import certify
 from riot.transform.deformation import overlap_ratios
+from riot.transform.lost_limbs import LostLimb, lost_limbs
 from riot.transform.motion import Motion
 from riot.transform.transform import Transform
 from riot.types import FloatArray
@@ -21,8 +23,11 @@ from studio.messages import flat_of
 THUMBNAIL = 0.004
 """Douglas–Peucker tolerance of outlines in thumbnails, in the unit-area frame: half a pixel of a picture of 150."""
 
-WELL_KEPT = 0.97
-"""Share of an input's centre line above which all of its limbs are called kept."""
+LEAST_LIMB = 0.03
+"""Share of a shape's centre line from which a lost section of it is called a limb, not a tip."""
+
+MOST_PLACES = 3
+"""Lost limbs whose places are told."""
 
 
 class PieceScene(Struct, frozen=True):
@@ -49,11 +54,11 @@ class MotionScene(Struct, frozen=True):
 
 
 class Fidelity(Struct, frozen=True):
-    """How alike the assembled shape is to its input, bent if it is; ``kept`` is the share of its centre line."""
+    """How alike the assembled shape is to its input, bent if it is; ``lost`` are the middles of limbs that it lacks."""
 
     iou: float
     strain: float
-    kept: float | None
+    lost: list[float]
     words: str
 
 
@@ -187,7 +192,7 @@ def _side(transform: Transform, side: str, iou: float, quick: bool) -> SideScene
     given: Shape = transform.input_p if first else transform.input_q
     bend = transform.bend_p if first else transform.bend_q
     outline = transform.outline_p() if first else transform.outline_q()
-    kept = None if quick else centre_line_overlap(outline, shape.points).recall
+    lost = None if quick else lost_limbs(outline, shape.points)
     strain = 0.0 if bend is None else bend.rms_strain
     return SideScene(
         name=shape.name,
@@ -195,17 +200,44 @@ def _side(transform: Transform, side: str, iou: float, quick: bool) -> SideScene
         bent=None if bend is None else flat_of(shape.points),
         trunk=flat_of(transform.pose(0.0 if first else 1.0).origins),
         feet=flat_of(transform.trunk_p if first else transform.trunk_q),
-        fidelity=Fidelity(round(iou, 5), round(strain, 5), kept, _words(iou, strain, kept)),
+        fidelity=Fidelity(
+            round(iou, 5),
+            round(strain, 5),
+            [round(value, 5) for limb in lost or () for value in (limb.x, limb.y)],
+            fidelity_words(iou, strain, lost),
+        ),
     )
 
 
-def _words(iou: float, strain: float, kept: float | None) -> str:
+def fidelity_words(iou: float, strain: float, lost: Sequence[LostLimb] | None) -> str:
+    """How alike a shape is to its input, and what became of its limbs, for a person; ``lost`` None: not measured.
+
+    >>> fidelity_words(0.95, 0.02, [LostLimb(0.6, -0.5, 0.1)])
+    '95 % alike, a limb lost at the lower right, bent by 2.0 %'
+    """
     words = [f"{_percent(iou)} alike"]
-    if kept is not None:
-        words.append("every limb kept" if kept >= WELL_KEPT else f"{_percent(1.0 - kept)} of its limbs lost")
+    if lost is not None:
+        limbs = [limb for limb in lost if limb.share >= LEAST_LIMB]
+        words.append(_lost(limbs, "limb", "lost") if limbs else _lost(lost, "tip", "blunted"))
     if strain > 0.0:
         words.append(f"bent by {100.0 * strain:.1f} %")
     return ", ".join(words)
+
+
+def _lost(limbs: Sequence[LostLimb], noun: str, what: str) -> str:
+    if not limbs:
+        return "every limb kept"
+    places = dict.fromkeys(_place(limb) for limb in limbs[:MOST_PLACES])
+    return f"{f'a {noun}' if len(limbs) == 1 else f'{len(limbs)} {noun}s'} {what} {' and '.join(places)}"
+
+
+def _place(limb: LostLimb) -> str:
+    """Where a limb is, seen from the centroid."""
+    across = "" if abs(limb.x) < 0.4 * abs(limb.y) else "right" if limb.x > 0.0 else "left"
+    along = "" if abs(limb.y) < 0.4 * abs(limb.x) else "upper" if limb.y > 0.0 else "lower"
+    if across and along:
+        return f"at the {along} {across}"
+    return f"on the {across}" if across else "at the top" if limb.y > 0.0 else "at the bottom"
 
 
 def _percent(share: float) -> str:

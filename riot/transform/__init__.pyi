@@ -3,6 +3,7 @@ from . import certificate as certificate
 from . import deformation as deformation
 from . import fidelity as fidelity
 from . import history as history
+from . import lost_limbs as lost_limbs
 from . import motion as motion
 from . import motion_document as motion_document
 from . import pose as pose

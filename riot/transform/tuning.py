@@ -53,3 +53,6 @@ LONE_STEP_COST = 0.1
 CENTRE_LINE_STEP = L_C / 400
 """Length: side of the grid's cells that a shape is drawn on to find its centre line; less than half the width of the
 limbs that a unit-area shape has at a hundred points along its outline."""
+
+LEAST_TIP = 0.008
+"""Share of a shape's centre line below which a lost section of it does not count: a corner that is rounded."""

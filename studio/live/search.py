@@ -16,12 +16,17 @@ from studio.work.reading import ShapeFile, is_transform, open_transform, read_sh
 from studio.work.search import best_transform, first_transform
 
 
-async def put_file(session: LiveSession, side: Side, data: bytes, name: str) -> None:
-    """Take a file that was given; raises `riot.errors.RiotError` in words for the person if it cannot be read."""
+async def put_file(session: LiveSession, side: Side, data: bytes, name: str) -> tuple[str, ...]:
+    """Take a file that was given; returns why its outline may be wrong.
+
+    Raises `riot.errors.RiotError` in words for the person if it cannot be read.
+    """
     if is_transform(data):
         await _open(session, data, name)
-    else:
-        await put_shape(session, side, await session.workers.live.run(read_shape, data, name))
+        return ()
+    shape = await session.workers.live.run(read_shape, data, name)
+    await put_shape(session, side, shape)
+    return shape.doubts
 
 
 async def put_shape(session: LiveSession, side: Side, shape: ShapeFile, number: int | None = None) -> None:

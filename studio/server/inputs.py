@@ -44,14 +44,14 @@ async def put_input(request: Request) -> Response:
         return refuse(404, "there is no such session")
     try:
         data = await body_of(request, MAX_UPLOAD)
-        await put_file(session, side, data, request.query_params.get("name", ""))
+        doubts = await put_file(session, side, data, request.query_params.get("name", ""))
     except UploadTooLarge:
         return refuse(TOO_LARGE, f"the file has more than {MAX_UPLOAD // 1_000_000} MB: make it smaller", "too-large")
     except SilhouetteError as error:
         return refuse(UNPROCESSABLE, str(error), error.reason)
     except RiotError as error:
         return refuse(UNPROCESSABLE, str(error))
-    return as_json({})
+    return as_json({"doubts": list(doubts)})
 
 
 ROUTES = [Route("/api/sessions/{session}/input/{side}", put_input, methods=["PUT"])]

@@ -92,7 +92,7 @@ def path_data(shape: Shape) -> str:
     """An outline as SVG path data.
 
     >>> path_data(house)
-    'm-369 472h738v-554l-369 -369l-369 369z'
+    'm0 -740l-500 500v750h1000v-750z'
     """
     corners = np.round(shape.points[simplify(shape.points, OUTLINE_TOLERANCE)] * [1000.0, -1000.0]).astype(int)
     moves = np.diff(corners, axis=0).tolist()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from riot.errors import FormatError, SilhouetteError
@@ -21,11 +21,12 @@ MAX_NAME = 60
 
 @dataclass(frozen=True)
 class ShapeFile:
-    """A shape's document, and its name."""
+    """A shape's document, its name, and why its outline may be wrong."""
 
     digest: str
     text: bytes
     name: str
+    doubts: tuple[str, ...] = ()
 
 
 def clean_name(name: str) -> str:
@@ -54,7 +55,8 @@ def read_shape(data: bytes, name: str) -> ShapeFile:
             shape = read(path).renamed(plain)
         except SilhouetteError as error:
             raise SilhouetteError(error.reason, str(error).replace(str(path), plain)) from None
-    return shape_file(shape_document.to_document(shape))
+    doubts = () if shape.quality is None else shape.quality.doubts
+    return replace(shape_file(shape_document.to_document(shape)), doubts=doubts)
 
 
 def shape_file(document: dict[str, object]) -> ShapeFile:

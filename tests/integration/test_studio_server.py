@@ -329,8 +329,19 @@ def test_a_photo_of_a_shape_is_an_input(client: TestClient, session: str) -> Non
     with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
         tab = Tab(socket)
         tab.until("session")
-        assert put(client, session, "q", stream.getvalue(), "C:\\my pictures\\egg.jpeg").json() == {}
+        assert put(client, session, "q", stream.getvalue(), "C:\\my pictures\\egg.jpeg").json() == {"doubts": []}
         assert tab.until("session")["q"]["name"] == "egg"
+
+
+def test_a_picture_that_may_be_read_wrongly_is_taken_with_the_reason(client: TestClient, session: str) -> None:
+    picture = Image.new("L", (200, 200), 255)
+    drawing = ImageDraw.Draw(picture)
+    drawing.ellipse((10, 60, 90, 140), fill=0)
+    drawing.ellipse((110, 62, 186, 138), fill=0)
+    stream = io.BytesIO()
+    picture.save(stream, "PNG")
+    (doubt,) = put(client, session, "p", stream.getvalue(), "two.png").json()["doubts"]
+    assert "of the object is kept" in doubt
 
 
 def test_what_can_be_set_has_a_range_and_a_meaning(client: TestClient) -> None:
@@ -339,4 +350,8 @@ def test_what_can_be_set_has_a_range_and_a_meaning(client: TestClient) -> None:
     assert settings["size_mm"]["least"] == 30.0 and settings["size_mm"]["meaning"]
     for preset in listed["presets"]:
         for name, value in preset["values"].items():
-            assert settings[name]["least"] <= value <= settings[name]["greatest"]
+            setting = settings[name]
+            if setting["choices"]:
+                assert value in setting["choices"]
+            else:
+                assert setting["least"] <= value <= setting["greatest"]

@@ -23,7 +23,7 @@
  * @property {number[][]} middles
  * @property {number[][]} levels
  *
- * @typedef {{iou: number, strain: number, kept: number | null, words: string}} Fidelity
+ * @typedef {{iou: number, strain: number, lost: number[], words: string}} Fidelity
  * @typedef {{url: string, matrix: number[]}} Texture
  *
  * @typedef {object} ShapeScene
