@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pipeline import report, study, tables  # modules of theirs are loaded when something is written
 from pipeline.config.schema import Config
-from pipeline.datasets.collection import Collection, collect
+from pipeline.datasets.collection import DUPLICATE, Collection, collect
 from pipeline.errors import StartError, StopError, StorageError
 from pipeline.exit_codes import CLEAN, WITH_ERRORS
 from pipeline.plan.progress import Progress
@@ -109,7 +109,9 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
         progress = run_stages(begin_run(config, collection, run.store), run)
     results = Results(progress, run.store, dict(run.failed), len(run.blocked), tuple(run.stages))
     digest = outcome_digest(results, assets_digest())
-    code = WITH_ERRORS if results.errors or results.blocked else CLEAN
+    # Two files with the same bytes are a remark: nothing is lost.
+    lost = [row for row in results.errors if row["reason"] != DUPLICATE]
+    code = WITH_ERRORS if lost or results.blocked else CLEAN
     nothing_new = all(stage.computed == 0 and stage.failed == 0 for stage in results.stages)
     if nothing_new and is_up_to_date(folder, digest):
         return RunOutcome(code, folder, folder / REPORT, False, time.perf_counter() - clock, results)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from pipeline.datasets.collection import DatasetConfig, collect
+from pipeline.datasets.collection import DUPLICATE, DatasetConfig, collect
 from pipeline.datasets.reading import open_item
 from pipeline.report.check import Refused, Tile, sheet, tile
 from pipeline.store.store import write_atomically
@@ -39,7 +39,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     collection = collect(DatasetConfig(name="check", kind="folder", root=str(chosen.folder)))
     compile_used(output.note, __name__)
     tiles: list[Tile] = []
-    refused = [Refused(row.name, row.message) for row in collection.rejected if row.reason != "duplicate"]
+    refused = [Refused(row.name, row.message) for row in collection.rejected if row.reason != DUPLICATE]
     for item in collection.items:
         try:
             tiles.append(tile(item.name, item.source, open_item(item)))

@@ -52,6 +52,9 @@ ABOUT = (
 PIPED_WIDTH = 140
 """Columns of a table that goes to a file or a pipe (ours)."""
 
+LEAST_WIDTH = 60
+"""Columns of a table on a narrow terminal, which breaks its lines: else cells would be empty (ours)."""
+
 HYDRA_FLAGS = (("--resolve",), ("--run", "-r"), ("--shell-completion", "-sc"))
 HYDRA_OPTIONS = (
     ("--package", "-p"),
@@ -223,8 +226,7 @@ def _console(output: Output) -> rich.console.Console:
     """Where the progress and the summary of a run go: away from the JSON document, and nowhere for who wants quiet."""
     # Names of files stand as they are: to rich, brackets are colours.
     console = rich.console.Console(stderr=output.json, quiet=output.quiet, highlight=False, emoji=False, markup=False)
-    if not console.is_terminal:
-        console.width = PIPED_WIDTH
+    console.width = max(console.width, LEAST_WIDTH) if console.is_terminal else PIPED_WIDTH
     return console
 
 

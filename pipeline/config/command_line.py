@@ -78,6 +78,7 @@ def check_command(arguments: Sequence[str]) -> Config:
         _check_name(override)
     _check_dataset(overrides)
     if not is_multirun(arguments):
+        _refuse_commas(overrides)
         return _compose([str(override.input_line) for override in overrides])
     alternatives = [_values(override) for override in overrides]
     first_point = [lines[0] for lines in alternatives]
@@ -159,7 +160,29 @@ def _parse(arguments: Sequence[str]) -> list[Override]:
     try:
         return OverridesParser.create().parse_overrides([argument for argument in arguments if argument not in SWEEP])
     except HydraException as error:
-        raise ConfigError(f"cannot read the command line, a list of name=value: {error}") from error
+        raise ConfigError(f"cannot read the command line, a list of name=value: {_unread(arguments, error)}") from error
+
+
+def _refuse_commas(overrides: Sequence[Override]) -> None:
+    for override in overrides:
+        if override.is_sweep_override():
+            name, _, value = str(override.input_line).partition("=")
+            raise ConfigError(
+                f"{name}: several values, {value}; to run each, add -m; a single value with a comma stands in quotes: "
+                f"\"{name}='{value}'\""
+            )
+
+
+def _unread(arguments: Sequence[str], error: HydraException) -> str:
+    """What to do about an argument that Hydra's grammar does not admit: put its value into quotes."""
+    for argument in arguments:
+        name, _, value = argument.partition("=")
+        try:
+            OverridesParser.create().parse_overrides([argument])
+        except HydraException:
+            if value and "'" not in value:
+                return f"the value of {name} has characters that must be quoted; give \"{name}='{value}'\""
+    return str(error)
 
 
 def _compose(lines: list[str]) -> Config:

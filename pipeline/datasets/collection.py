@@ -24,6 +24,9 @@ with needs_extra("mine"):
 PICTURES = frozenset({*PICTURE_SUFFIXES, ".svg", ".svgz"})
 """Files with these suffixes are items of a collection. Ingest finds out whether they can be read."""
 
+DUPLICATE = "duplicate"
+"""Reason of a file that is left out because another one has the same bytes."""
+
 Kind = Literal["sample", "folder", "mpeg7", "animals", "paper"]
 
 _FOLDERS: dict[Kind, tuple[str, ...]] = {
@@ -103,7 +106,9 @@ def collect(config: DatasetConfig) -> Collection:
     elif config.kind == "folder":
         if config.root is None:
             raise DatasetError("dataset.root: which folder? Give dataset.root=DIR")
-        collection = _listed(config.name, Path(config.root), "give dataset.root=DIR, a folder with pictures")
+        collection = _listed(
+            config.name, Path(config.root).expanduser(), "give dataset.root=DIR, a folder with pictures"
+        )
     elif config.kind == "mpeg7":
         collection = _mpeg7(config.name, _root(config.root, "mpeg7"))
     elif config.kind == "animals":
@@ -121,20 +126,21 @@ def default_root(kind: str) -> Path:
 def class_of(name: str) -> str:
     """The class of an item: its sub-folder, else its file name before the last ``-`` or ``_`` and digits, else none.
 
-    >>> class_of("fish/7"), class_of("fish-7"), class_of("fish")
-    ('fish', 'fish', '')
+    >>> class_of("fish/7"), class_of("fish-7"), class_of("fish"), class_of("obj10_1.pgm")
+    ('fish', 'fish', '', 'obj10')
     """
     folder, _, stem = name.rpartition("/")
     return folder or _class_of_stem(stem)
 
 
 def _class_of_stem(stem: str) -> str:
-    match = re.fullmatch(r"(.+)[-_][0-9]+", stem)
+    # An inner suffix, as of obj10_1.pgm.png, is that of an earlier format.
+    match = re.fullmatch(r"(.+?)[-_]+[0-9]+(?:\.[A-Za-z]{2,4})?", stem)
     return match[1] if match else ""
 
 
 def _root(folder: str | None, kind: str) -> Path:
-    return Path(folder) if folder is not None else default_root(kind)
+    return Path(folder).expanduser() if folder is not None else default_root(kind)
 
 
 def _mpeg7(name: str, root: Path, option: str = "root") -> Collection:
@@ -159,9 +165,9 @@ def _paper(config: DatasetConfig) -> Collection:
 
     The paper counts 81 classes among the two sets' 70 and 20.
     """
-    parent = Path(config.root) if config.root is not None else default_root("paper").parent
-    mpeg7 = Path(config.mpeg7) if config.mpeg7 is not None else parent / "mpeg7"
-    animals = Path(config.animals) if config.animals is not None else parent / "animals"
+    parent = Path(config.root).expanduser() if config.root is not None else default_root("paper").parent
+    mpeg7 = Path(config.mpeg7).expanduser() if config.mpeg7 is not None else parent / "mpeg7"
+    animals = Path(config.animals).expanduser() if config.animals is not None else parent / "animals"
     collections = [("mpeg7", _mpeg7("mpeg7", mpeg7, "mpeg7")), ("animals", _animals("animals", animals, "animals"))]
     items = [
         replace(item, name=f"{prefix}/{item.name}", cls=item.cls.casefold())
@@ -281,7 +287,7 @@ def _first_of_each(items: Iterable[Item]) -> tuple[tuple[Item, ...], list[Reject
         kept = first.setdefault(item.digest, item)
         if kept is not item:
             message = f"the same bytes as {kept.name}, which is kept; remove one of them"
-            duplicates.append(Rejected(item.name, item.source, "duplicate", message))
+            duplicates.append(Rejected(item.name, item.source, DUPLICATE, message))
     return tuple(first.values()), duplicates
 
 

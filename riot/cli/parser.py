@@ -14,6 +14,9 @@ from riot.errors import RiotError
 WIDEST = 100
 """Columns of a help text on a wide terminal (ours)."""
 
+NARROWEST = 40
+"""Columns below which a help text does not fit (ours): the terminal breaks its lines."""
+
 DONE, REFUSED, INTERRUPTED, PIPE_CLOSED = 0, 2, 130, 141
 """Exit codes that all commands share; 141 is what a shell shows for a program that SIGPIPE ends."""
 
@@ -108,8 +111,8 @@ class Parser(argparse.ArgumentParser):
 
 
 def columns() -> int:
-    """Width of help texts: that of the terminal, at most `WIDEST`."""
-    return min(shutil.get_terminal_size().columns, WIDEST)
+    """Width of help texts: that of the terminal, between `NARROWEST` and `WIDEST`."""
+    return max(NARROWEST, min(shutil.get_terminal_size().columns, WIDEST))
 
 
 def listing(title: str, meanings: Mapping[Any, str]) -> str:

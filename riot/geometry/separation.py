@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy import ndimage
 
 from riot.geometry import background, frames
-from riot.geometry.levels import two_levels, weak_level
+from riot.geometry.levels import Levels, two_levels, weak_level
 from riot.geometry.picture import Picture
 from riot.geometry.quality import ALL_SIDES, FRAME, LINE, MUCH_COVERED, ReadingQuality
 from riot.types import BoolArray, FloatArray, IntArray
@@ -41,6 +42,10 @@ _TOUCHED = 0.005
 """Share of a side of the page that an object must take to touch it. Ours: a corner of a few pixels does not."""
 
 
+_OF_PIXELS = ("filled", "_sizes_and_labels", "component")
+"""What is computed of a candidate's pixels, once."""
+
+
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """A way to see the picture: the object's share of each pixel, its pixels, and how clearly they are separate.
@@ -59,6 +64,8 @@ class Candidate:
         What was done to see it so.
     confirmed : ReadingQuality, optional
         That of a clearer candidate which sees the same object.
+    levels : Levels, optional
+        Those of the field that it was separated by.
     """
 
     ramp: FloatArray
@@ -67,6 +74,13 @@ class Candidate:
     lost: float = 0.0
     remarks: tuple[str, ...] = ()
     confirmed: ReadingQuality | None = None
+    levels: Levels | None = None
+
+    def known(self, **changes: Any) -> Candidate:
+        """The same object, of which more is known: what was found of its pixels stays."""
+        other = replace(self, **changes)
+        other.__dict__.update({name: self.__dict__[name] for name in _OF_PIXELS if name in self.__dict__})
+        return other
 
     @cached_property
     def filled(self) -> BoolArray:
@@ -75,11 +89,11 @@ class Candidate:
         return np.asarray(outside[1:-1, 1:-1] != outside[0, 0], dtype=np.bool_)
 
     @cached_property
-    def _sizes_and_labels(self) -> tuple[IntArray, IntArray]:
+    def _sizes_and_labels(self) -> tuple[IntArray, Any]:
         labels, _ = ndimage.label(self.filled)
         sizes: IntArray = np.bincount(labels.ravel()).astype(np.int64)
         sizes[0] = 0
-        return sizes, labels.astype(np.int64)
+        return sizes, labels
 
     @cached_property
     def component(self) -> BoolArray:
@@ -123,15 +137,15 @@ def separate(picture: Picture) -> Candidate:
         plain = _without_frame(by_levels(picture.grey, opaque_object=picture.opaque_object))
     if picture.opaque_object:
         return plain
-    plain = replace(plain, lost=_lost(picture, plain))
+    plain = plain.known(lost=_lost(picture, plain))
     if _is_object(plain) and (plain.score >= _CLEAR or (plain.criterion >= _TWO_LEVELS and not plain.lost)):
         return plain
-    best = plain if _is_object(plain) else replace(plain, lost=1.0)
+    best = plain if _is_object(plain) else plain.known(lost=1.0)
     for candidate in _others(picture, plain):
         if not _is_object(candidate):
             continue
         if _agree(candidate, plain):  # then the plain one's edges are the truer
-            clearer = replace(plain, confirmed=candidate.quality, lost=0.0)
+            clearer = plain.known(confirmed=candidate.quality, lost=0.0)
             best = max(best, clearer, key=lambda seen: seen.score)
         elif candidate.score > best.score + _BETTER:
             best = candidate
@@ -149,7 +163,7 @@ def by_levels(field: FloatArray, *, opaque_object: bool = False) -> Candidate:
     most = len(border) - 1 if opaque_object else len(border) // 2  # an opaque page with a hole shows the hole
     if int(border.sum()) > most:
         light, ramp = ~light, 1.0 - ramp
-    return Candidate(ramp, light, levels.criterion)
+    return Candidate(ramp, light, levels.criterion, levels=levels)
 
 
 def border_of(mask: BoolArray) -> BoolArray:
@@ -202,7 +216,8 @@ def _lost(picture: Picture, plain: Candidate) -> float:
         explained = background.explained_variance(picture.colours, plain.light)
         if explained < _COLOURS_AGREE:
             return 1.0 - explained
-    weak = weak_level(picture.grey, two_levels(picture.grey), plain.light)
+    assert plain.levels is not None
+    weak = weak_level(picture.grey, plain.levels, plain.light)
     if weak is None:
         return 0.0
     union = Candidate(plain.ramp, plain.light | weak.pixels, 1.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,9 @@ from riot.geometry.outline import SCALES, outline_shape
 from riot.geometry.picture import Picture, decode
 from riot.geometry.shape import Shape
 from riot.parameters import ShapeParameters
+
+_TOLD_CHANGE = 0.01
+"""A repair of a polygon that changes this share of its area is told. Ours: less is not seen."""
 
 
 def read(path: str | os.PathLike[str], parameters: ShapeParameters | None = None) -> Shape:
@@ -111,6 +115,9 @@ def mask_shape(mask: npt.ArrayLike, name: str = "", parameters: ShapeParameters 
 def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParameters | None = None) -> Shape:
     """Make a shape of an (m, 2) closed polygon in either orientation, y upwards.
 
+    It may be (m, 1, 2), as OpenCV has contours, or (m, 3), whose heights are left out. A polygon that crosses itself is
+    repaired, with a warning if that changes more than a hundredth of the area.
+
     The last point may repeat the first. Its vertices stay, up to ``vertex_tolerance``, with midpoints between them;
     ``feature_tolerance=0`` keeps every vertex. ``to_source`` maps to the polygon's own coordinates.
 
@@ -131,10 +138,18 @@ def polygon_shape(points: npt.ArrayLike, name: str = "", parameters: ShapeParame
         array = np.array(given, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise SilhouetteError("unreadable", f"{where}: a polygon is an (m, 2) array of numbers") from error
+    if array.ndim == 3 and array.shape[1:] == (1, 2):
+        array = array[:, 0]
+    if array.ndim == 2 and array.shape[1] == 3:
+        array = array[:, :2]
     if array.ndim != 2 or array.shape[1] != 2 or not np.isfinite(array).all():
         raise SilhouetteError("unreadable", f"{where}: a polygon is an (m, 2) array of finite numbers")
     parameters = parameters or ShapeParameters()
-    return outline_shape(array, name, where, parameters, parameters.vertex_tolerance, y_down=False)
+    shape = outline_shape(array, name, where, parameters, parameters.vertex_tolerance, y_down=False)
+    if shape.quality is not None and shape.quality.changed >= _TOLD_CHANGE:
+        message = f"{where}: the outline crosses itself, and its repair changed {shape.quality.changed:.0%} of the area"
+        warnings.warn(message, stacklevel=2)
+    return shape
 
 
 def picture_shape(picture: Picture, name: str, where: str, parameters: ShapeParameters) -> Shape:

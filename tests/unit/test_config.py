@@ -166,3 +166,12 @@ def test_plain_values_are_enough() -> None:
         make_config({})
     with pytest.raises(ConfigError, match="group"):
         make_config({"dataset": SAMPLE, "select": 3})
+
+
+@pytest.mark.parametrize("path", ["/tmp/a=b", "/tmp/a,b", "/tmp/a (b)", "~/pics"])
+def test_a_path_that_needs_quotes_is_told_so(path: str) -> None:
+    quoted = f"dataset.root='{path}'"
+    with pytest.raises(ConfigError) as caught:
+        check_command(complete(["+dataset=folder", f"dataset.root={path}"]))
+    assert f'"{quoted}"' in str(caught.value)
+    assert check_command(complete(["+dataset=folder", quoted])).dataset.root == path

@@ -229,3 +229,22 @@ def test_names_that_are_no_text_are_rejected(tmp_path: Path) -> None:
     assert [(row.name, row.reason) for row in found.rejected] == [("bad\\udcff-1", "name")]
     (row,) = found.rejected
     assert "rename" in row.message and (row.message + row.source + row.name).isascii()
+
+
+def test_an_inner_suffix_hides_no_class() -> None:
+    assert [class_of(name) for name in ("obj10_1.pgm", "obj10__7", "cat.v2_3", "a-1-2", "7")] == [
+        "obj10",
+        "obj10",
+        "cat.v2",
+        "a-1",
+        "",
+    ]
+
+
+def test_the_home_folder_may_be_a_tilde(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    folder = tmp_path / "pics"
+    folder.mkdir()
+    (folder / "a.png").write_bytes(b"a")
+    found = collect(DatasetConfig(name="pics", kind="folder", root="~/pics"))
+    assert [item.source for item in found.items] == [str(folder / "a.png")]

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from arrow import ARROW, OUTLINE, SIDE, drawn, likeness, painted
 from PIL import Image
 
+import riot
 from riot.geometry.pixels import pixels_shape
 from riot.geometry.quality import ReadingQuality
 from riot.geometry.shape import Shape
@@ -192,7 +194,8 @@ def test_a_repair_tells_how_much_it_changed() -> None:
     repaired = polygon_shape(bow, "loop")
     assert quality(repaired).changed == pytest.approx(0.25 / 100.25, rel=1e-6)
     ring = [(0, 0), (9, 0), (9, 9), (0, 9), (0, 0), (3, 3), (3, 6), (6, 6), (6, 3), (3, 3)]  # encloses a hole
-    filled = polygon_shape(ring, "ring")
+    with pytest.warns(UserWarning, match="its repair changed"):
+        filled = polygon_shape(ring, "ring")
     assert quality(filled).changed == pytest.approx(9.0 / 72.0, rel=0.01)
     assert "repair" in quality(filled).doubts[0]
 
@@ -202,3 +205,11 @@ def test_all_ways_leave_a_plain_picture_as_it_is() -> None:
     coloured = pixels_shape(image(painted((0, 0, 0), (255, 255, 255))), "arrow")
     assert plain == coloured
     assert drawn(plain.source(plain.points)).sum() > 0
+
+
+def test_polygons_of_other_libraries() -> None:
+    plain = polygon_shape(OUTLINE, "arrow")
+    corners = np.array(OUTLINE)
+    assert polygon_shape(corners[:, None], "arrow") == plain  # OpenCV
+    assert polygon_shape(np.column_stack([corners, np.arange(len(corners))]), "arrow") == plain  # with heights
+    assert riot.Shape.from_polygon(shapely.Polygon(OUTLINE), "arrow") == plain
