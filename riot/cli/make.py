@@ -160,12 +160,15 @@ def make(
     """
     films, name = wishes.films, pair_stem(path_a, path_b)
     # What can be known is told before the long work.
+    if wishes.pictures and "q" in wishes.pictures and wishes.mirror_q == "no":
+        output.note("B's colours are on the back, where they are seen mirrored: --mirror-q has them read there")
     if ".mp4" in films:
         film_writer()
     a, b = shapes
     check_folder(folder, replace_files=True)
     check_files([folder / f"{name}{suffix}" for suffix in (*SUFFIXES, *films)], replace_files=wishes.replace_files)
     compile_used(output.note, __name__)
+    output.note("constructs the transform")
     parameters = ConstructParameters(method=wishes.method)
     sides = {"no": (False,), "yes": (True,), "best": (False, True)}[wishes.mirror_q]
     transforms = [_constructed(a, b.mirrored() if back else b, back, parameters, wishes) for back in sides]
@@ -177,6 +180,7 @@ def make(
     transform = replace(transform, history=_history(path_a, path_b, parameters, wishes))
     facts = transform_facts(transform)
     images = _piece_images(transform, wishes.pictures, {"p": path_a, "q": path_b})
+    output.note("draws it" if not films else "draws and films it")
     with new_folder(folder, replace_files=True) as temporary:
         files = []
         for path in write_transform(transform, temporary / name, films, images):

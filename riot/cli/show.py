@@ -66,7 +66,7 @@ def add_options(parser: Parser) -> None:
         "--film",
         type=Path,
         metavar="FILM",
-        help="film the motion too, as an animated GIF (.gif) or, with the extra 'film', as .mp4",
+        help="film the motion too, as an animated GIF (.gif) or, by ffmpeg or the extra 'film', as .mp4",
     )
     parser.shared.description = "With --verbose or --json the numbers include those of centre lines."
 

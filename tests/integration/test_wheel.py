@@ -133,7 +133,10 @@ def test_the_base_is_the_library_alone(base: Installation) -> None:
         ("python -c import~pipeline.match.search", "mine"),
         ("riot print a.riot -o out", "print"),
         ("riot slices ../given/a.stl --into ../given/kind0-0.png -o out", "print"),
-        ("riot make a.png b.png -o out --mp4", "film"),
+        pytest.param(
+            *("riot make a.png b.png -o out --mp4", "film"),
+            marks=pytest.mark.skipif(shutil.which("ffmpeg") is not None, reason="ffmpeg is installed"),
+        ),
     ],
 )
 def test_what_needs_an_extra_says_so_in_a_line(command: str, extra: str, base: Installation) -> None:

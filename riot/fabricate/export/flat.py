@@ -13,7 +13,7 @@ from pathlib import Path
 from riot.errors import RiotError
 from riot.fabricate.export.flat_parts import KINDS, Kind, flat_parts
 from riot.fabricate.export.laser_coupon import laser_coupon
-from riot.fabricate.export.laser_sheet import LaserSheet, dxf_bytes, laser_sheets, svg_bytes
+from riot.fabricate.export.laser_sheet import LaserSheet, dxf_bytes, laser_sheets, sheets_by_kerf, svg_bytes
 from riot.fabricate.model import Design
 
 LASER_FORMATS = (".svg", ".dxf")
@@ -77,11 +77,9 @@ def write_flat_files(design: Design, folder: Path, *, dxf: bool = True) -> list[
     suffixes = LASER_FORMATS if dxf else LASER_FORMATS[:1]
     written = []
     for kind in laser_kinds(design):
-        parts = flat_parts(design, kind)
-        for kerf in (False, True):
-            sheets = laser_sheets(parts, design.parameters, kerf=kerf)
+        for kerf, sheets in enumerate(sheets_by_kerf(flat_parts(design, kind), design.parameters)):
             stem = folder / f"laser-{kind}{'-kerf' if kerf else ''}"
-            written += _write(sheets, stem, suffixes, _title(design, kind, kerf))
+            written += _write(sheets, stem, suffixes, _title(design, kind, bool(kerf)))
     coupon = laser_sheets(laser_coupon(design.parameters), design.parameters)
     return [*written, *_write(coupon, folder / COUPON, suffixes, "kerf and fit of the pin, a test piece")]
 

@@ -21,7 +21,7 @@ import shapely
 from riot.draw.svg import escape
 from riot.errors import FabricationError, needs_extra
 from riot.fabricate.export.flat_parts import FlatPart, compensated
-from riot.fabricate.export.nesting import nest
+from riot.fabricate.export.nesting import Nested, nest
 from riot.fabricate.model import polygons
 from riot.parameters import FabricationParameters
 from riot.types import FloatArray
@@ -56,9 +56,16 @@ class LaserSheet:
 def laser_sheets(
     parts: Sequence[FlatPart], parameters: FabricationParameters, *, kerf: bool = False
 ) -> list[LaserSheet]:
-    """Nest parts, as often as each is needed, into sheets of the bed's size; the same places with ``kerf`` and without.
+    """`sheets_by_kerf` with compensation of the kerf, or without."""
+    return sheets_by_kerf(parts, parameters)[kerf]
 
-    With ``kerf`` outlines are half a kerf outside the parts, and inside their holes. Raises
+
+def sheets_by_kerf(
+    parts: Sequence[FlatPart], parameters: FabricationParameters
+) -> tuple[list[LaserSheet], list[LaserSheet]]:
+    """Nest parts, as often as each is needed, into sheets of the bed's size: at nominal size, and for the kerf.
+
+    The places are the same. For the kerf outlines are half a kerf outside the parts, and inside their holes. Raises
     `riot.errors.FabricationError` ``bed`` if a part is larger than the bed.
     """
     copies = [part for part in parts for _ in range(part.copies)]
@@ -73,11 +80,21 @@ def laser_sheets(
             f"({parameters.size_mm:g}), or tell of a larger bed (bed_width_mm, bed_depth_mm)",
             "bed_width_mm",
         ) from None
-    sheets: list[list[FlatPart]] = [[] for _ in range(1 + max(spot.sheet for spot in spots))]
-    for nominal, wide, spot in zip(copies, widened, spots, strict=True):
-        placed = {name: spot.place(getattr(wide if kerf else nominal, name)) for name in _PLACED}
-        sheets[spot.sheet].append(replace(nominal, **placed, copies=1))
-    return [LaserSheet(width, height, tuple(on_sheet)) for on_sheet in sheets]
+    count = 1 + max(spot.sheet for spot in spots)
+    nominal, for_kerf = (
+        [
+            LaserSheet(width, height, tuple(part for part, spot in placed if spot.sheet == number))
+            for number in range(count)
+        ]
+        for placed in (
+            [(_placed(part, spot), spot) for part, spot in zip(kind, spots, strict=True)] for kind in (copies, widened)
+        )
+    )
+    return nominal, for_kerf
+
+
+def _placed(part: FlatPart, spot: Nested) -> FlatPart:
+    return replace(part, **{name: spot.place(getattr(part, name)) for name in _PLACED}, copies=1)
 
 
 def svg_bytes(sheet: LaserSheet, title: str) -> bytes:
