@@ -2,7 +2,7 @@
 
 The search gives the distance D and the winner of `riot.kernels.pairs`, exactly. It goes from coarse to fine:
 
-1. distances between boxes around leaves of 16 similar trunks (`_row`);
+1. distances between boxes around leaves of 16 similar trunks (`_row`), and of their trunks from a box (`_beside`);
 2. distances between the features of trunks, sixteen at a time (`_mask`);
 3. all shifts of two trunks in single precision (`_near`);
 4. D itself in double precision (`_exact`), some two dozen times for two shapes.
@@ -36,7 +36,6 @@ FEATURES = 1 + EDGE_CONTRASTS + 2 * ANGLE_CONTRASTS + 1
 FIRST_ALPHA = 1 + EDGE_CONTRASTS
 FIRST_BETA = FIRST_ALPHA + ANGLE_CONTRASTS
 CORNER_VALUES = 6
-BOX_VALUES = 6  # least and greatest of the area and of two contrasts of the edges, as `_apart` reads them
 
 INFINITY_BITS = np.int32(0x7F800000)
 """The bits of single-precision infinity. The bits of numbers from 0 up are in the order of the numbers."""
@@ -85,17 +84,34 @@ def _row(
 
 
 @inner
-def _apart(features: Single, leaf: int, k: int, box: Single, edge: F32, area: F32, limit: F32) -> bool:
-    """Whether trunk k of a leaf is surely farther than ``limit`` from every trunk in a box."""
+def _beside(features: Single, leaf: int, box: Single, edge: F32, angle: F32, area: F32, limit: F32) -> Any:
+    """Which trunks of a leaf may be within ``limit`` of a trunk in a box: one bit each."""
     unit = np.float32(1.0)
-    value = unit - features[leaf, 0, k]
-    if (value - box[1]) * area > limit or (box[0] - value) * area > limit:
-        return True
-    value = features[leaf, 1, k]
-    if (value - box[3]) * edge > limit or (box[2] - value) * edge > limit:
-        return True
-    value = features[leaf, 2, k]
-    return bool((value - box[5]) * edge > limit or (box[4] - value) * edge > limit)
+    mask = np.int32(0)
+    for k in range(QCRS_LEAF):
+        value = unit - features[leaf, 0, k]
+        u, v = box[0] - value, value - box[1]
+        w = (u if u > v else v) * area
+        e = np.float32(0.0)
+        for f in range(1, 1 + EDGE_CONTRASTS):
+            u, v = box[2 * f] - features[leaf, f, k], features[leaf, f, k] - box[2 * f + 1]
+            g = u if u > v else v
+            e = g if g > e else e
+        p, q = box[2 * FEATURES - 2], features[leaf, FEATURES - 1, k]
+        for f in range(FIRST_ALPHA, FIRST_BETA):
+            h = f + ANGLE_CONTRASTS
+            u, v = box[2 * h] - features[leaf, f, k], features[leaf, f, k] - box[2 * h + 1]
+            g = u if u > v else v
+            p = g if g > p else p
+            u, v = box[2 * f] - features[leaf, h, k], features[leaf, h, k] - box[2 * f + 1]
+            g = u if u > v else v
+            q = g if g > q else q
+        e *= edge
+        g = (p + q) * angle
+        e = g if g > e else e
+        e = w if w > e else e
+        mask = np.int32(mask | (LANE_BITS[k] if e <= limit else np.int32(0)))
+    return mask
 
 
 @inlined
@@ -257,11 +273,13 @@ class SearchBuffers(NamedTuple):
 
 @inner
 def _nearest(
-    i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, owners: Int32Array, tops: FloatArray,
-    bests: FloatArray, winners: Int32Array, met: Int32Array,
+    i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, lone: bool, far: Single,
+    owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array,
 ) -> None:  # fmt: skip
     """For every owner of trunks of shape j, find the one nearest to a trunk of shape i, if the owner may be among the
     len(tops) nearest.
+
+    If not ``lone``, j is a cell, and the leaves of shape i that are too far from it, by ``far``, are passed over.
 
     ``owners`` (t,) are the owners of b's trunks. ``tops`` (k,) are the least distances of k owners so far, ascending;
     the search reaches as far as the last. For every owner ``bests`` becomes D, ``winners`` (T, T', shift) with trunks
@@ -278,7 +296,8 @@ def _nearest(
     sigma_edge, sigma_angle, sigma_area, slack = scale.edge, scale.angle, scale.area, scale.slack
     reach = tops[-1]
     area = np.float32(2.0 / sigma_area)
-    count = 0
+    limit = np.float32(np.float32(reach + slack)).view(np.int32)
+    count, first_leaf = 0, leaves_a[groups_a[i]]
     g, h = groups_a[i], groups_b[j]
     while g < groups_a[i + 1] and h < groups_b[j + 1]:
         if sizes_a[g] != sizes_b[h]:
@@ -291,6 +310,10 @@ def _nearest(
         edge, angle = np.float32(1.0 / (n * sigma_edge)), np.float32(1.0 / (2.0 * n * sigma_angle))
         facing_leaves = leaves_b[h + 1] - leaves_b[h]
         for x in range(leaves_a[g + 1] - leaves_a[g]):
+            if not lone:
+                distance = far[leaves_a[g] + x - first_leaf, j // TILE_LEAVES, j % TILE_LEAVES]
+                if np.float32(distance).view(np.int32) > limit:
+                    continue
             tile, lane = tiles_a[g] + x // TILE_LEAVES, x % TILE_LEAVES
             for f in range(2 * FEATURES):
                 box[f] = boxes_a[tile, f, lane]
@@ -326,20 +349,25 @@ def _nearest(
                         continue
                     y = leaves_b[h] + column * TILE_LEAVES + lane
                     begin_b = begins_b[h] + (column * TILE_LEAVES + lane) * QCRS_LEAF * CORNER_VALUES * n
-                    for f in range(BOX_VALUES):
-                        box[f] = boxes_b[tiles_b[h] + column, f, lane]
                     near = np.float32(reach + slack)
-                    first, last = 0, QCRS_LEAF
                     if sweep == 0:
+                        first = 0
                         nearest = INFINITY_BITS
                         for k in range(QCRS_LEAF):
                             low = _least(features_a, x, k, features_b, y, edge, angle, area)
                             if low < nearest:
                                 nearest, first = low, k
-                        near, last = np.int32(nearest).view(np.float32), first + 1
-                    for k in range(first, last):
-                        if _apart(features_a, x, k, box, edge, area, near):
+                        near, lanes = np.int32(nearest).view(np.float32), LANE_BITS[first]
+                    else:
+                        for f in range(2 * FEATURES):
+                            box[f] = boxes_b[tiles_b[h] + column, f, lane]
+                        lanes = _beside(features_a, x, box, edge, angle, area, near)
+                    k = -1
+                    while lanes != 0:
+                        k += 1
+                        if lanes & LANE_BITS[k] == 0:
                             continue
+                        lanes ^= LANE_BITS[k]
                         mask = _mask(features_a, x, k, features_b, y, edge, angle, area, near)
                         m = -1
                         while mask != 0:
@@ -373,9 +401,9 @@ def _nearest(
 
 @kernel
 def _search(
-    pairs: IntArray, limits: FloatArray, lone: bool, a: Forest, b: Forest, scale: Scale, buffers: SearchBuffers,
-    owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array, out: FloatArray,
-    out_winners: Int32Array,
+    pairs: IntArray, limits: FloatArray, lone: bool, far: Single, a: Forest, b: Forest, scale: Scale,
+    buffers: SearchBuffers, owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array,
+    met: Int32Array, out: FloatArray, out_winners: Int32Array,
 ) -> None:  # fmt: skip
     """`_nearest` of ``pairs`` (k, 2) of shape numbers, one after the other.
 
@@ -389,7 +417,7 @@ def _search(
             winners[0, 1] = winners[0, 2] = -1
         elif limits[k] > tops[-1] + scale.slack:
             break
-        _nearest(pairs[k, 0], a, pairs[k, 1], b, scale, buffers, owners, tops, bests, winners, met)
+        _nearest(pairs[k, 0], a, pairs[k, 1], b, scale, buffers, lone, far, owners, tops, bests, winners, met)
         if lone:
             out[k] = bests[0]
             for c in range(3):
@@ -398,27 +426,25 @@ def _search(
 
 @kernel
 def _cell_distances(i: int, a: Forest, b: Forest, crowns: Single, scale: Scale, far: Single, box: Single) -> None:
-    """Fill ``far`` (cells,) with bounds of the distance of shape i of a from the cells of b."""
+    """Fill ``far`` (leaves of shape i of a, tiles, TILE_LEAVES) with bounds of the leaves' distances from b's cells."""
     groups, sizes, leaves, tiles, boxes = a.groups, a.sizes, a.leaves, a.tiles, a.boxes
     cells, cell_sizes = b.groups, b.sizes
-    area = np.float32(2.0 / scale.area)
-    lone, row = np.empty((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.empty((1, 1, TILE_LEAVES), np.float32)
-    single = lone.shape[0]
-    first = single - 1  # a constant would be a type of its own, for which `_row` is compiled again
-    for cell in range(len(crowns)):
-        far[cell] = np.inf
-        n = cell_sizes[cells[cell]]
+    area, lanes = np.float32(2.0 / scale.area), far.shape[2]
+    for g in range(groups[i], groups[i + 1]):
+        n = sizes[g]
         edge, angle = np.float32(1.0 / (n * scale.edge)), np.float32(1.0 / (2.0 * n * scale.angle))
-        for f in range(2 * FEATURES):
-            lone[0, f, 0] = crowns[cell, f]
-        for g in range(groups[i], groups[i + 1]):
-            if sizes[g] != n:
-                continue
-            for x in range(leaves[g + 1] - leaves[g]):
-                for f in range(2 * FEATURES):
-                    box[f] = boxes[tiles[g] + x // TILE_LEAVES, f, x % TILE_LEAVES]
-                _row(box, lone, first, single, edge, angle, area, row, first, first)
-                far[cell] = min(far[cell], row[0, 0, 0])
+        for x in range(leaves[g + 1] - leaves[g]):
+            for f in range(2 * FEATURES):
+                box[f] = boxes[tiles[g] + x // TILE_LEAVES, f, x % TILE_LEAVES]
+            row = leaves[g] + x - leaves[groups[i]]
+            for tile in range(crowns.shape[0]):
+                first, last = tile * TILE_LEAVES, min((tile + 1) * TILE_LEAVES, len(cells) - 1) - 1
+                # Cells come in order of n.
+                if cell_sizes[cells[first]] <= n <= cell_sizes[cells[last]]:
+                    _row(box, crowns, tile, lanes, edge, angle, area, far, row, tile)
+                for cell in range(first, last + 1):
+                    if cell_sizes[cells[cell]] != n:
+                        far[row, tile, cell - first] = np.inf
 
 
 def make_buffers(a: Forest, b: Forest) -> SearchBuffers:
@@ -442,9 +468,10 @@ def block(
     Only distances up to ``limits`` (k,) count; a pair without one has inf, −1. Trunks are numbered within their shapes;
     among equals the first by (T, T', shift) wins.
     """
-    owners, met = np.zeros(len(b.areas), np.int32), np.empty(1, np.int32)
+    owners, met, far = np.zeros(len(b.areas), np.int32), np.empty(1, np.int32), np.empty((1, 1, 1), np.float32)
     top, best, winner = np.empty(1), np.empty(1), np.empty((1, 3), np.int32)
-    _search(pairs, limits, True, a, b, scale, make_buffers(a, b), owners, top, best, winner, met, out, winners)
+    buffers = make_buffers(a, b)
+    _search(pairs, limits, True, far, a, b, scale, buffers, owners, top, best, winner, met, out, winners)
     there = winners[:, 0] >= 0
     winners[there, 0] -= a.starts[pairs[there, 0]].astype(np.int32)
     winners[there, 1] -= b.starts[pairs[there, 1]].astype(np.int32)
@@ -456,16 +483,21 @@ def partners(
 ) -> None:  # fmt: skip
     """The nearest owners of b's trunks for shape i of a: see `_nearest`. b's "shapes" are cells of similar trunks.
 
-    ``crowns`` (cells, 2 FEATURES) are the boxes of the cells. Cells are searched in order of their distance, up to the
-    last of ``tops``.
+    ``crowns`` (tiles, 2 FEATURES, TILE_LEAVES) are the boxes of the cells, laid out as those of leaves. Cells are
+    searched in order of their distance, up to the last of ``tops``.
     """
-    buffers, far = make_buffers(a, b), np.empty(len(crowns), np.float32)
+    buffers, cells = make_buffers(a, b), len(b.groups) - 1
+    rows = int(a.leaves[a.groups[i + 1]] - a.leaves[a.groups[i]])
+    if rows == 0 or cells == 0:
+        return
+    far = np.empty((rows, len(crowns), TILE_LEAVES), np.float32)
     _cell_distances(i, a, b, crowns, scale, far, buffers.box)
-    order = np.argsort(far, kind="stable")
+    nearest = far.min(axis=0).reshape(-1)[:cells]
+    order = np.argsort(nearest, kind="stable")
     pairs = np.empty((len(order), 2), np.int64)
     pairs[:, 0], pairs[:, 1] = i, order
-    limits = far[order].astype(np.float64)
-    _search(pairs, limits, False, a, b, scale, buffers, owners, tops, bests, winners, met, bests, winners)
+    limits = nearest[order].astype(np.float64)
+    _search(pairs, limits, False, far, a, b, scale, buffers, owners, tops, bests, winners, met, bests, winners)
 
 
 def warm() -> None:
@@ -480,5 +512,5 @@ def warm() -> None:
     )  # fmt: skip
     out, winners = np.empty(1), np.empty((1, 3), np.int32)
     block(np.zeros((1, 2), np.int64), forest, forest, Scale(0.1, 0.5, 0.1, 1e-4), np.full(1, np.inf), out, winners)
-    crowns, met = np.ones((1, 2 * FEATURES), np.float32), np.zeros(1, np.int32)
+    crowns, met = np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.zeros(1, np.int32)
     partners(0, forest, forest, met, crowns, Scale(0.1, 0.5, 0.1, 1e-4), np.ones(1), np.ones(1), winners, met)

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from riot.kernels.forest import Forest
-from riot.kernels.leaves import QCRS_LEAF
+from riot.kernels.leaves import QCRS_LEAF, TILE_LEAVES
 from riot.kernels.search import partners
 from riot.parameters import QcrsParameters
 from riot.scores.leaves import gather_leaves
@@ -66,13 +66,14 @@ class TrunkIndex:
 
     @cached_property
     def crowns(self) -> npt.NDArray[np.float32]:
-        """(cells, 2 features) box of each cell, as `riot.kernels.leaves` lays boxes out."""
+        """(tiles, 2 features, 32) boxes of the cells, laid out as `riot.kernels.leaves` does those of leaves."""
         features, first = self.cells.features, self.cells.leaves[:-1]
-        crowns = np.empty((len(first), 2 * features.shape[1]), dtype=np.float32)
+        tiles = -(-len(first) // TILE_LEAVES)
+        crowns = np.zeros((tiles * TILE_LEAVES, 2 * features.shape[1]), dtype=np.float32)
         if len(first):
-            crowns[:, 0::2] = np.minimum.reduceat(features.min(axis=2), first)
-            crowns[:, 1::2] = np.maximum.reduceat(features.max(axis=2), first)
-        return crowns
+            crowns[: len(first), 0::2] = np.minimum.reduceat(features.min(axis=2), first)
+            crowns[: len(first), 1::2] = np.maximum.reduceat(features.max(axis=2), first)
+        return np.ascontiguousarray(crowns.reshape(tiles, TILE_LEAVES, crowns.shape[1]).swapaxes(1, 2))
 
     @classmethod
     def array_names(cls) -> tuple[str, ...]:

@@ -63,7 +63,7 @@ def test_cells_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(riot.scores.index, "CELL_LEAVES", 2)
     index = TrunkIndex.build([everything])
     small = best_partners(index, everything, 3, itself=range(6))
-    assert len(index.crowns) > 10
+    assert len(index.cells.groups) > 10
     assert rows(best.scores, np.arange(18)) == rows(small.scores, np.arange(18))
 
 
