@@ -169,7 +169,7 @@ class Edit:
 
 
 ALL = frozenset(stage.name for stage in STAGES) - {
-    "shards", "partners", "pairs", "paper", "paint", "fabricate", "margin", "swing",
+    "shards", "partners", "partners_beyond", "pairs", "paper", "paint", "fabricate", "margin", "swing",
 }  # fmt: skip
 """The stages of a usual run that makes no pictures; what is made up has no transform of which a margin could be."""
 OF_SHAPES = frozenset(stage.name for stage in STAGES if stage.scope == "batch")

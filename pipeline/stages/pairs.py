@@ -54,7 +54,8 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
 
 def items(progress: Progress) -> list[WorkItem]:
     """One work item, which collects the results of all finished searches."""
-    recipe, searches_done = progress.recipes["pairs"], progress.finished("partners")
+    recipe = progress.recipes["pairs"]
+    searches_done = [*progress.finished("partners"), *progress.finished("partners_beyond")]
     shards = progress.work["shards"]
     blocks = [item.block for item in searches_done if item.block is not None]
     spec = Starts(tuple((progress.batches[b].start, shards[s].members[0]) for b, s in blocks))
@@ -65,7 +66,7 @@ def items(progress: Progress) -> list[WorkItem]:
 STAGE = Stage(
     name="pairs",
     unit="collection of pairs",
-    after=("partners",),
+    after=("partners_beyond",),
     parameters=("qcrs.k",),
     items=items,
     run=run,

@@ -1,9 +1,12 @@
-"""The best partners of every shape of a batch within a shard, scored as in a run over all pairs (ours)."""
+"""The best partners of every shape of a batch within its own shard, scored as in a run over all pairs (ours).
+
+`partners_beyond` looks into the other shards, only for partners that are as good.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +21,7 @@ from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact
 from riot import scores
 from riot.parameters import QcrsParameters
-from riot.types import IntArray
+from riot.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from riot.scores.index import Partners, TrunkIndex
@@ -27,9 +30,6 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-9
 """Greatest relative difference of a pair's scores in its two directions, which sum in different orders (ours)."""
-
-FAIR = 0.25
-"""Score below which all pairs are scored instead: for distant partners the index prunes too little (ours)."""
 
 TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
 """Types of columns; the others are int32."""
@@ -58,8 +58,20 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: ShardPosition | 
     """
     settings, count = parameters
     query, index = inputs
+    return search(query, index, count, settings, spec, np.zeros(len(query)))
+
+
+def search(
+    query: TrunkStack,
+    index: TrunkIndex,
+    count: int,
+    settings: QcrsParameters,
+    spec: ShardPosition | SubBlock,
+    least: FloatArray,
+) -> Artifact:
+    """The rows that `run` returns; a shape's that score below its ``least`` (batch,) may be missing."""
     position, rows = (spec.whole, spec.rows) if isinstance(spec, SubBlock) else (spec, (0, len(query)))
-    best, compared = find(query, index, count, settings, position, range(*rows))
+    best, compared = find(query, index, count, settings, position, range(*rows), least)
     return Artifact({name: np.asarray(getattr(best, name)) for name in COLUMNS}, {"compared": compared})
 
 
@@ -74,13 +86,17 @@ def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
 
 
 def find(
-    query: TrunkStack, index: TrunkIndex, count: int, settings: QcrsParameters, position: ShardPosition, rows: range
+    query: TrunkStack,
+    index: TrunkIndex,
+    count: int,
+    settings: QcrsParameters,
+    position: ShardPosition,
+    rows: range,
+    least: FloatArray,
 ) -> tuple[BlockScores, int]:
-    """The rows that `run` returns, for the shapes ``rows`` of the query, and the number of pairs compared."""
+    """The rows of `search` for the shapes ``rows`` of the query, and the number of pairs compared."""
     own_indices = [position.first + i if position.first >= 0 else -1 for i in range(len(query))]
-    # The copy builds a search forest that is freed with it: the index is kept, and memory has no room for both.
-    whole = replace(index.trunks)
-    partners = [_nearest(query.shape(i), index, whole, count, settings, own_indices[i]) for i in rows]
+    partners = [_nearest(query.shape(i), index, count, settings, own_indices[i], float(least[i])) for i in rows]
     i = np.repeat(rows, [len(nearest.scores.j) for nearest in partners]).astype(np.int32)
     columns = {
         name: np.concatenate([np.empty(0, np.int32), *(getattr(nearest.scores, name) for nearest in partners)])
@@ -98,27 +114,16 @@ def find(
 
 
 def _nearest(
-    shape: TrunkStack, index: TrunkIndex, whole: TrunkStack, count: int, settings: QcrsParameters, own_index: int
+    shape: TrunkStack, index: TrunkIndex, count: int, settings: QcrsParameters, own_index: int, least: float
 ) -> Partners:
     """The best partners of a shape, and as many more as are needed to have the best ones in either direction."""
     asked = count + 1
-    while asked < len(index) and len(shape.areas):
-        nearest = scores.index.best_partners(index, shape, asked, settings, FAIR, [own_index])
+    while True:
+        nearest = scores.index.best_partners(index, shape, asked, settings, least * (1 - ROUNDING), [own_index])
         score = nearest.scores.score
-        if len(score) < asked:
-            break
-        if score[-1] < score[count - 1] * (1 - ROUNDING):
+        if len(score) < asked or score[-1] < score[count - 1] * (1 - ROUNDING):
             return nearest
         asked *= 2
-    return _all(shape, whole, settings, own_index)
-
-
-def _all(shape: TrunkStack, whole: TrunkStack, settings: QcrsParameters, own_index: int) -> Partners:
-    """All partners of a shape, pair by pair; this is faster than the index if no partner is near."""
-    others = np.flatnonzero((np.arange(len(whole)) != own_index) & (len(shape.areas) > 0))
-    pairs = np.column_stack([np.zeros_like(others), others])
-    block = scores.qcrs.score_pairs(shape, whole, pairs, settings)
-    return scores.index.Partners(block, int((block.n > 0).sum()))
 
 
 def _turn(
@@ -136,15 +141,12 @@ def _turn(
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for each batch in each shard, by shard, so that a worker searches the same shard several times."""
+    """A work item for each batch, in its own shard."""
     recipe, trunks = progress.recipes["partners"], progress.work["trunks"]
-    shards = progress.work["shards"]
-    searched = [number for span in spans(progress) for number in span]
     work = []
-    for s, (shard, span) in enumerate(zip(shards, spans(progress), strict=True)):
-        for b in searched:
-            first = progress.batches[b].start - shard.members[0] if b in span else -1
-            position = ShardPosition(first, b > span[-1])
+    for s, (shard, span) in enumerate(zip(progress.work["shards"], spans(progress), strict=True)):
+        for b in span:
+            position = ShardPosition(progress.batches[b].start - shard.members[0], False)
             work.append(
                 recipe.item(
                     recipe.parts([trunks[b].key, shard.key], position),

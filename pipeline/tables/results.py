@@ -117,7 +117,7 @@ class Results:
             return None
         missed = {
             member
-            for item in self.work["partners"]
+            for item in (*self.work["partners"], *self.work["partners_beyond"])
             if item.reference not in self.progress.done
             for member in item.members
         }

@@ -273,13 +273,13 @@ class SearchBuffers(NamedTuple):
 
 @inner
 def _nearest(
-    i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, lone: bool, far: Single,
+    i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, lone: bool, apart: Single,
     owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array,
 ) -> None:  # fmt: skip
     """For every owner of trunks of shape j, find the one nearest to a trunk of shape i, if the owner may be among the
     len(tops) nearest.
 
-    If not ``lone``, j is a cell, and the leaves of shape i that are too far from it, by ``far``, are passed over.
+    If not ``lone``, j is a cell, and the leaves of shape i that are too far ``apart`` from it are passed over.
 
     ``owners`` (t,) are the owners of b's trunks. ``tops`` (k,) are the least distances of k owners so far, ascending;
     the search reaches as far as the last. For every owner ``bests`` becomes D, ``winners`` (T, T', shift) with trunks
@@ -311,7 +311,7 @@ def _nearest(
         facing_leaves = leaves_b[h + 1] - leaves_b[h]
         for x in range(leaves_a[g + 1] - leaves_a[g]):
             if not lone:
-                distance = far[leaves_a[g] + x - first_leaf, j // TILE_LEAVES, j % TILE_LEAVES]
+                distance = apart[leaves_a[g] + x - first_leaf, j // TILE_LEAVES, j % TILE_LEAVES]
                 if np.float32(distance).view(np.int32) > limit:
                     continue
             tile, lane = tiles_a[g] + x // TILE_LEAVES, x % TILE_LEAVES

@@ -158,7 +158,7 @@ def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monke
     whole = planned(root, tmp_path, "trunks", mode="topk")
     lost = whole.work["trunks"][2]
     left = whole.with_work("trunks", whole.work["trunks"], whole.done - {lost.reference})
-    for stage in ("shards", "partners", "pairs"):
+    for stage in ("shards", "partners", "partners_beyond", "pairs"):
         items = BY_NAME[stage].items(left)
         left = left.with_work(stage, items, left.done | {item.reference for item in items})
     shards = left.work["shards"]
@@ -166,7 +166,9 @@ def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monke
     assert members == set(range(len(whole.items))) - set(lost.members)
     for shard in shards:
         assert list(shard.members) == list(range(shard.members[0], shard.members[-1] + 1))
-    for item in left.work["partners"]:
+    searches = [*left.work["partners"], *left.work["partners_beyond"]]
+    assert len(searches) == len(shards) * sum(len(shard.sources) for shard in shards)
+    for item in searches:
         assert item.block is not None
         batch, number = item.block
         start, members_of = whole.batches[batch].start, shards[number].members
