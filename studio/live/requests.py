@@ -47,13 +47,14 @@ async def follow(session: LiveSession, request: Request) -> None:
         case Forget(seq, name):
             await session.go(seq, lambda history: history.forgotten(name))
         case Alternatives(seq):
-            session.jobs.start("alternatives", stream_alternatives(session, seq))
+            session.jobs.start("alternatives", session.told(seq, stream_alternatives(session, seq)))
         case Partners(seq):
             if session.collection is None:
                 await session.tabs.tell(news.Refused(seq, "no collection is open: start with `riot studio --in RUN`"))
             else:
-                session.jobs.start("partners", stream_partners(session, session.collection, request))
-        case Make():
-            session.jobs.start("make", make(session, request))
+                work = stream_partners(session, session.collection, request)
+                session.jobs.start("partners", session.told(seq, work))
+        case Make(seq):
+            session.jobs.start("make", session.told(seq, make(session, request)))
         case Stop():
             session.jobs.stop("alternatives", "partners", "make")

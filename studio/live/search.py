@@ -90,7 +90,7 @@ async def _begin(session: LiveSession, state: State, seq: int) -> None:
 
 def _search(session: LiveSession, state: State, seq: int) -> None:
     if state.p is not None and state.q is not None and state.shown is None:
-        session.jobs.start("transform", _found(session, state, seq))
+        session.jobs.start("transform", session.told(seq, _found(session, state, seq)))
 
 
 async def _found(session: LiveSession, state: State, seq: int) -> None:

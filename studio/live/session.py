@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +13,7 @@ from msgspec import Raw
 from riot.errors import PinError, RiotError
 from studio.live import news
 from studio.live.drafts import Latest
-from studio.live.jobs import Jobs
+from studio.live.jobs import Jobs, Work
 from studio.live.tabs import Send, Tabs
 from studio.live.view import View, documents
 from studio.messages import Choose, EditRequest, Pieces, RequestError, Swap
@@ -22,6 +23,8 @@ from studio.work.answer import Answer
 from studio.work.change import change
 from studio.work.moving import plan_swing
 from studio.work.workers import Workers
+
+LOG = logging.getLogger(__name__)
 
 
 class LiveSession:
@@ -38,7 +41,7 @@ class LiveSession:
         self.jobs, self.tabs = Jobs(), Tabs()
         self.view = View(folder, workers.live, collection)
         self._revision = 0
-        self._drafts: Latest[EditRequest] = Latest(self._draft)
+        self._drafts: Latest[EditRequest] = Latest(lambda request: self.told(request.seq, self._draft(request)))
 
     @property
     def input_names(self) -> tuple[str | None, str | None]:
@@ -107,7 +110,17 @@ class LiveSession:
     async def plan_motion(self, digest: str) -> None:
         """Have the motion of a transform planned, if it is not."""
         if b'"planned":true' not in await self.view.scene(digest):
-            self.jobs.start("motion", self._plan_motion(digest))
+            self.jobs.start("motion", self.told(0, self._plan_motion(digest)))
+
+    async def told(self, seq: int, work: Work) -> None:
+        """Await work that was asked for; an error that nobody foresaw is told, too, and logged."""
+        try:
+            await work
+        except Exception as error:
+            LOG.exception("session %s, request %d", self.folder.name, seq)
+            await self.tabs.tell(
+                news.Refused(seq, f"this failed, which it should not ({type(error).__name__}: {error})")
+            )
 
     async def _plan_motion(self, digest: str) -> None:
         made = await self.workers.background.run(plan_swing, {digest: self.folder.transform(digest)}, digest)

@@ -51,4 +51,4 @@ async def _answer(session: LiveSession, text: str, send: Send) -> None:
     except RequestError as error:
         await send(news.encoded(news.Refused(0, str(error))))
         return
-    session.jobs.spawn(follow(session, request))
+    session.jobs.spawn(session.told(request.seq, follow(session, request)))

@@ -254,6 +254,19 @@ def test_the_file_that_is_downloaded_is_the_transform_that_is_shown(client: Test
         assert client.get(f"/api/sessions/{again}/download/riot").text == answer.text
 
 
+@pytest.mark.parametrize("phase", ["move", "release"])
+def test_an_error_that_nobody_foresaw_is_told_and_ends_nothing(
+    client: TestClient, session: str, phase: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
+        tab = Tab(socket)
+        scene = given(client, session, tab)
+        with monkeypatch.context() as patched:
+            patched.setattr("studio.live.session.change", len)  # which takes one argument
+            assert "TypeError" in tab.edit(phase, kind="weight", weight=2.0)["words"]
+        assert tab.edit(phase, kind="keep", side="p", points=scene["p"]["input"][:2])["type"] == "transform"
+
+
 def test_two_tabs_see_the_same(client: TestClient, session: str) -> None:
     with (
         client.websocket_connect(f"{SOCKETS}/{session}") as first,

@@ -322,7 +322,7 @@ def test_fish_completes(tmp_path: Path) -> None:
 
 BASE = """
 import importlib.abc, sys
-EXTRAS = {"hydra", "omegaconf", "dask", "distributed", "pyarrow", "rich", "jinja2", "pooch", "platformdirs"}
+EXTRAS = {"hydra", "omegaconf", "dask", "distributed", "pyarrow", "rich", "jinja2", "pooch", "platformdirs", "uvicorn"}
 class Absent(importlib.abc.MetaPathFinder):
     def find_spec(self, name, path=None, target=None):
         if name.partition(".")[0] in EXTRAS:
@@ -339,6 +339,7 @@ sys.exit(main(sys.argv[1:]))
     [
         (("mine",), 2, "pip install 'riot-shapes[mine]'"),
         (("cache", "du"), 2, "pip install 'riot-shapes[mine]'"),
+        (("studio",), 2, "pip install 'riot-shapes[studio]'"),
         (("show", "FILE"), 0, "certificate: passed"),
         (("slices", "--help"), 0, "--into"),
         (("completion", "bash"), 0, "make|o|--gif"),
