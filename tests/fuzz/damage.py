@@ -63,6 +63,15 @@ def drawings() -> list[bytes]:
         "<style>.a{fill:none}#b{fill-rule:evenodd}</style>"
         '<path class="a" d="M0 0h9v9z"/><path id="b" d="M5 5h50v50h-50z"/>',
         '<symbol id="s"><rect width="20" height="20" style="fill:red;opacity:.5"/></symbol><use href="#s"/>',
+        '<clipPath id="k"><circle cx="50" cy="50" r="30"/></clipPath>'
+        '<mask id="m"><path d="M0 0h99v50z" fill="#fff"/></mask>'
+        '<g clip-path="url(#k)" mask="url(#m)"><rect width="90" height="90"/></g>',
+        '<marker id="a" markerWidth="3" markerHeight="3"><rect width="2" height="2"/></marker>'
+        '<path d="M20 20h50v40" fill="none" stroke="#000" stroke-width="9" stroke-dasharray="20 1"'
+        ' marker-end="url(#a)"/>',
+        '<filter id="f"><feGaussianBlur stdDeviation="2"/><feOffset dx="3"/></filter>'
+        '<pattern id="p" width="4" height="4" patternUnits="userSpaceOnUse"><rect width="4" height="4"/></pattern>'
+        '<rect x="9" y="9" width="60" height="50" fill="url(#p)" filter="url(#f)"/>',
     )
     return [f"{head}{body}</svg>".encode() for body in bodies]
 

@@ -137,3 +137,19 @@ def test_a_run_that_is_not_finished_with_this_code_is_not_measured(tmp_path: Pat
     (folder / "run.json").write_text(json.dumps(record), encoding="utf-8")
     done = run("start", "--run", str(folder))
     assert done.returncode == 1 and "no run that is finished with this code" in done.stderr
+
+
+@pytest.mark.system
+def test_two_readings_of_silhouettes_are_compared(tmp_path: Path) -> None:
+    folder, saved = tmp_path / "pictures", tmp_path / "old.npz"
+    folder.mkdir()
+    head = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">'
+    (folder / "plain.svg").write_text(f'{head}<path d="M1 1h7v3h-7z"/></svg>')
+    (folder / "faint.svg").write_text(f'{head}<path opacity=".5" d="M1 1h7v3h-7z"/></svg>')
+    (folder / "text.svg").write_text(f"{head}<text>A</text></svg>")
+    assert run("reading", "--root", str(folder), "--save", str(saved)).returncode == 0
+    (folder / "plain.svg").write_text(f'{head}<path d="M1 1h7v5h-7z"/></svg>')
+    done = run("reading", "--root", str(folder), "--against", str(saved), "--fine")
+    assert done.returncode == 0, done.stderr
+    assert "3 files: 1 paths, 1 refused: unsupported, 1 rendered" in done.stdout
+    assert "1 of 2 differ" in done.stdout and "rendered outlines" in done.stdout
