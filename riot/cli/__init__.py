@@ -1,4 +1,4 @@
-"""The command line: the commands of two files (make, show, trunks, print, slices), and what every command stands on.
+"""The command line: make, show, trunks, print, coupon and slices, and what every command stands on.
 
 A command is a module with `add_options` and `run`: it reads files, calls the library, prints facts through one
 `riot.cli.output.Output`, and computes nothing itself. It is loaded when it is called. What the user can mend ends with

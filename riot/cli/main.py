@@ -15,6 +15,7 @@ COMMANDS = {
     "trunks": Command("list the trunk pairs that make can be told to use", lambda: cli.trunks),
     "show": Command("print the numbers of a .riot file", lambda: cli.show),
     "print": Command("make the solids of a .riot file for a 3D printer", lambda: cli.print_puzzle),
+    "coupon": Command("make test pieces that measure a printer's clearances and a laser's kerf", lambda: cli.coupon),
     "slices": Command("cut a solid into thick slices, each a puzzle that becomes another shape", lambda: cli.slices),
 }
 

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from dataclasses import fields
 
 from riot.cli.parser import Parser
+from riot.cli.profiles import profile
 from riot.parameters import FabricationParameters
 from riot.parameters.fabrication import PIVOTS
 from riot.parameters.field import describe
@@ -14,6 +15,12 @@ from riot.parameters.field import describe
 
 def add_sizes(parser: Parser, without: Collection[str] = ()) -> None:
     """Add an option for every parameter except those ``without`` one, which the command decides itself."""
+    parser.parameter_option(
+        "--profile",
+        "profile",
+        metavar="NAME",
+        help="parameters of a machine: prusa-mini, prusa-mk3s, ender-3, or one of your own in makers.toml",
+    )
     for field in fields(FabricationParameters):
         if field.name in without:
             continue
@@ -38,14 +45,16 @@ def add_sizes(parser: Parser, without: Collection[str] = ()) -> None:
 
 
 def chosen_sizes(chosen: argparse.Namespace) -> FabricationParameters:
-    """Return the parameters that the user gave, those that go with the pivot, and defaults for the others.
+    """Return the parameters that the user gave, then the profile's, then those that go with the pivot, then defaults.
 
-    Raises `riot.errors.ParameterError` for a value out of its range.
+    Raises `riot.errors.ParameterError` for a value out of its range, and what `profile` raises.
     """
     options = {field.name: getattr(chosen, field.name, None) for field in fields(FabricationParameters)}
     given = {name: value for name, value in options.items() if value is not None}
-    preset = PIVOTS[given.pop("pivot", "printed")]
-    return FabricationParameters(**{**preset, **given})
+    machine = dict(profile(chosen.profile)) if getattr(chosen, "profile", None) else {}
+    pivot = machine.pop("pivot", "printed")
+    preset = PIVOTS[given.pop("pivot", pivot)]
+    return FabricationParameters(**{**preset, **machine, **given})
 
 
 def _option(parameter: str) -> str:

@@ -1,13 +1,17 @@
 from . import certificate as certificate
 from . import clearance as clearance
+from . import coupon as coupon
 from . import export as export
 from . import hinge_check as hinge_check
 from . import layers as layers
 from . import model as model
 from . import motion_check as motion_check
 from . import outlines as outlines
+from . import overhang as overhang
 from . import part_check as part_check
+from . import pivot as pivot
 from . import plates as plates
+from . import rings as rings
 from . import shelves as shelves
 from . import solid as solid
 from . import sub_chains as sub_chains

@@ -57,24 +57,32 @@ def make_pivot(parameters: FabricationParameters) -> Pivot:
 
     Raises `riot.errors.FabricationError` if pieces are too thin for a screw and its nut, or no such screw exists.
     """
-    height, (lower, upper) = parameters.height, parameters.levels
-    shaft, radius = 0.5 * parameters.pin_mm, knuckle_radius(parameters)
-    screw = _screw(parameters) if parameters.pivot == "screw" else None
-    head = shaft + HEAD_STEP_MM if screw is None else 0.5 * screw.head
-    foot = _head_foot(parameters)
-    slope = taper(foot, shaft, head, parameters.layer_mm)
-    profile = [Ring(0.0, foot, shaft), *slope[:-1], replace(slope[-1], high=height)]
-    if foot < upper:
-        raise _thin(f"the head of a pin of {parameters.pin_mm:g} mm does not fit into its knuckle", parameters)
-    holes = (replace(ring, low=max(ring.low, upper)) for ring in profile)
-    knuckle = tuple(Ring(ring.low, ring.high, radius, ring.radius + parameters.clearance_mm) for ring in holes)
+    height, lower, radius = parameters.height, parameters.levels[0], knuckle_radius(parameters)
+    profile, knuckle = _profile(parameters), upper_rings(parameters)
+    if parameters.pivot == "screw":
+        length = _screw_length(parameters)
+        shaft = replace(profile[0], low=round(height - length, 9))
+        return Pivot(_nut_rings(parameters, radius), knuckle, (shaft, *profile[1:]), (), length, None)
     hole = 0.5 * (parameters.pin_mm - parameters.press_mm)
     cap = tuple(replace(ring, hole=hole) for ring in profile[1:]) if parameters.pivot == "rod" else ()
-    if screw is None:
-        return Pivot((Ring(0.0, lower, radius, hole),), knuckle, tuple(profile), cap, height, parameters.press_mm)
-    length = _screw_length(parameters)
-    profile[0] = replace(profile[0], low=round(height - length, 9))
-    return Pivot(_nut_rings(parameters, screw, radius), knuckle, tuple(profile), (), length, None)
+    return Pivot((Ring(0.0, lower, radius, hole),), knuckle, profile, cap, height, parameters.press_mm)
+
+
+def upper_rings(parameters: FabricationParameters) -> tuple[Ring, ...]:
+    """The knuckle that turns, with the room for the pin's head; errors as `make_pivot`."""
+    upper, radius = parameters.levels[1], knuckle_radius(parameters)
+    holes = (replace(ring, low=max(ring.low, upper)) for ring in _profile(parameters))
+    return tuple(Ring(ring.low, ring.high, radius, ring.radius + parameters.clearance_mm) for ring in holes)
+
+
+def _profile(parameters: FabricationParameters) -> tuple[Ring, ...]:
+    """The pin with its head."""
+    shaft, foot = 0.5 * parameters.pin_mm, _head_foot(parameters)
+    head = 0.5 * _screw(parameters).head if parameters.pivot == "screw" else shaft + HEAD_STEP_MM
+    slope = taper(foot, shaft, head, parameters.layer_mm)
+    if foot < parameters.levels[1]:
+        raise _thin(f"the head of a pin of {parameters.pin_mm:g} mm does not fit into its knuckle", parameters)
+    return (Ring(0.0, foot, shaft), *slope[:-1], replace(slope[-1], high=parameters.height))
 
 
 def knuckle_radius(parameters: FabricationParameters) -> float:
@@ -102,9 +110,9 @@ def _screw_length(parameters: FabricationParameters) -> float:
     return max(length for length in SCREW_LENGTHS_MM if length <= parameters.height)
 
 
-def _nut_rings(parameters: FabricationParameters, screw: Screw, radius: float) -> tuple[Ring, ...]:
+def _nut_rings(parameters: FabricationParameters, radius: float) -> tuple[Ring, ...]:
     """The lower knuckle with a pocket for the nut, open below, whose ceiling slopes to the screw's hole."""
-    lower, deep, slope = parameters.levels[0], _nut_depth(parameters), _nut_slope(parameters)
+    screw, lower, deep, slope = _screw(parameters), parameters.levels[0], _nut_depth(parameters), _nut_slope(parameters)
     if round(lower - deep, 9) < _nut_floor(parameters):
         raise _thin(f"the lower knuckle does not hold the nut of an M{parameters.pin_mm:g} screw", parameters)
     return (

@@ -86,15 +86,15 @@ def make_parts(design: Design) -> tuple[Part, ...]:
     if design.pivot is not None:
         count = sum(pin.count for pin in design.pins)
         if design.parameters.pivot == "printed":
-            parts.append(_round_part("pin", count, design.pivot.profile, upside_down=True))
+            parts.append(round_part("pin", count, design.pivot.profile, upside_down=True))
         elif design.parameters.pivot == "rod":
-            parts.append(_round_part("cap", count, design.pivot.cap, upside_down=True))
+            parts.append(round_part("cap", count, design.pivot.cap, upside_down=True))
     if design.telescope is not None:
-        parts.append(_round_part("sleeve", design.sleeves, design.telescope.sleeve))
+        parts.append(round_part("sleeve", design.sleeves, design.telescope.sleeve))
     return tuple(parts)
 
 
-def _round_part(
+def round_part(
     kind: Literal["pin", "cap", "sleeve"], count: int, rings: tuple[Ring, ...], *, upside_down: bool = False
 ) -> Part:
     foot = rings[0].low

@@ -7,7 +7,7 @@ import json
 import math
 import struct
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -67,11 +67,13 @@ def write_puzzle(
     if not certificate.passed:
         raise FabricationError("uncertified", "; ".join(certificate.failures))
     plates = lay_out(parts, design.parameters)
+    title = f"{design.transform.p.name} – {design.transform.q.name}"
+    colours = {piece.name: PIECES[hue(piece.index, len(design.pieces))] for piece in design.pieces}
     with new_folder(folder, replace_files=replace_files, stale=PUZZLE_FILES) as temporary:
         for part in parts:
             (temporary / f"{part.name}.stl").write_bytes(stl_bytes(part))
         for k, plate in enumerate(plates):
-            (temporary / f"plate-{k + 1}.3mf").write_bytes(plate_bytes(plate, parts, design))
+            (temporary / f"plate-{k + 1}.3mf").write_bytes(plate_bytes(plate, parts, title, colours))
         document = json.dumps(parts_document(design, parts, certificate, plates), indent=1, ensure_ascii=False)
         (temporary / "parts.json").write_text(f"{document}\n", encoding="utf-8", newline="\n")
         for write in more:
@@ -93,15 +95,14 @@ def stl_bytes(part: Part) -> bytes:
     return header + struct.pack("<I", len(triangles)) + record.tobytes()
 
 
-def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
+def plate_bytes(plate: Plate, parts: tuple[Part, ...], title: str, colours: Mapping[str, str]) -> bytes:
     """A plate as 3MF: every part that lies on it as a named object with its colour, and where it lies, uncompressed.
 
-    The colours are those of the pieces in pictures, as base materials; pins, caps and sleeves are grey.
+    ``colours`` (``#rrggbb`` by name) become base materials; what has none is grey.
     """
     named = {part.name: part for part in parts}
     used = [part for part in parts if any(item.name == part.name for item in plate)]
     ids = {part.name: k + 1 for k, part in enumerate(used)}
-    title = f"{design.transform.p.name} – {design.transform.q.name}"
     materials = f'pid="{len(used) + 1}" pindex="{{}}"'
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
@@ -110,7 +111,10 @@ def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
         '<metadata name="Application">riot</metadata>',
         "<resources>",
         f'<basematerials id="{len(used) + 1}">',
-        *(f'<base name={quoteattr(part.name)} displaycolor="{_colour(part, design)}"/>' for part in used),
+        *(
+            f'<base name={quoteattr(part.name)} displaycolor="{colours.get(part.name, _GREY).upper()}"/>'
+            for part in used
+        ),
         "</basematerials>",
     ]
     for k, part in enumerate(used):
@@ -138,11 +142,6 @@ def plate_bytes(plate: Plate, parts: tuple[Part, ...], design: Design) -> bytes:
             entry.create_system, entry.external_attr = 3, 0o644 << 16
             archive.writestr(entry, text.encode("utf-8"))
     return held.getvalue()
-
-
-def _colour(part: Part, design: Design) -> str:
-    index = next((piece.index for piece in design.pieces if piece.name == part.name), None)
-    return (_GREY if index is None else PIECES[hue(index, len(design.pieces))]).upper()
 
 
 def _placement(item: PlacedPart, part: Part) -> list[float]:

@@ -1,0 +1,94 @@
+"""The test pieces of a printer, and profiles of machines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from riot.cli import profiles
+from riot.cli.main import main
+from riot.errors import FormatError, ParameterError
+from riot.fabricate.coupon import CLEARANCES_MM, INTERFERENCES_MM, coupon
+from riot.fabricate.overhang import check_supports
+from riot.fabricate.solid import genus
+from riot.parameters import FabricationParameters
+from riot.parameters.fabrication import PIVOTS
+
+
+@pytest.mark.parametrize("pivot", sorted(PIVOTS))
+def test_every_part_is_one_solid_and_prints_without_supports(pivot: str) -> None:
+    parameters = FabricationParameters(**PIVOTS[pivot])
+    parts = coupon(parameters)
+    for part in parts:
+        assert len(part.solid.decompose()) == 1
+        assert part.solid.genus() == genus(part.slabs)
+        assert check_supports(part, parameters.layer_mm).failures == ()
+    assert parts[0].solid.genus() == len(INTERFERENCES_MM)
+
+
+def test_holes_are_as_the_numbers_say() -> None:
+    bar, *arms = coupon(FabricationParameters())[: 1 + len(CLEARANCES_MM)]
+    holes = sorted(ring for polygon in [bar.slabs[0].section] for ring in (2.0 * _radius(r) for r in polygon.interiors))
+    assert holes == pytest.approx(sorted(3.0 - press for press in INTERFERENCES_MM), abs=0.01)
+    for arm, clearance in zip(arms, CLEARANCES_MM, strict=True):
+        assert arm.name == f"arm-{round(100 * clearance):02d}"
+        through = min(_radius(ring) for slab in arm.slabs for ring in _rings(slab.section))
+        assert through == pytest.approx(1.5 + clearance, abs=0.01)
+
+
+def _rings(section: object) -> list[object]:
+    return list(max(getattr(section, "geoms", [section]), key=lambda part: part.area).interiors)[:1]
+
+
+def _radius(ring: object) -> float:
+    low, _, high, _ = ring.bounds  # type: ignore[attr-defined]
+    return 0.5 * float(high - low)
+
+
+class TestCommand:
+    """`riot coupon`, and profiles of `riot coupon` and `riot print`."""
+
+    def test_writes_plates_and_parts(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        out = tmp_path / "out"
+        assert main(["coupon", "-o", str(out), "--profile", "prusa-mini", "--pivot", "filament"]) == 0
+        assert "arms: clearances of 0.15, 0.25, 0.35, 0.45, 0.55 mm" in capsys.readouterr().out
+        names = {path.name for path in out.iterdir()}
+        assert names == {
+            "bar.stl",
+            *(f"arm-{k}.stl" for k in (15, 25, 35, 45, 55)),
+            "cap.stl",
+            "plate-1.3mf",
+            "laser-coupon.svg",
+        }
+        assert all(trimesh.load_mesh(path).is_watertight for path in out.glob("*.stl"))
+        assert main(["coupon", "-o", str(out)]) == 2
+        assert main(["coupon", "-o", str(out), "--force"]) == 0
+        assert "cap.stl" not in {path.name for path in out.iterdir()}
+
+    def test_a_profile_that_is_not_there_is_told_with_those_that_are(
+        self, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        assert main(["coupon", "-o", str(tmp_path / "out"), "--profile", "etch-a-sketch"]) == 2
+        assert "prusa-mini, prusa-mk3s, ender-3" in capsys.readouterr().err
+
+
+def test_own_profiles_go_before_shipped_ones(tmp_path: Path) -> None:
+    own = tmp_path / "makers.toml"
+    own.write_text('[ender-3]\nclearance_mm = 0.3\npivot = "filament"\n[odd]\nspeed = 3\n[twist]\npivot = "string"\n')
+    assert profiles.profile("ender-3", own) == {"clearance_mm": 0.3, "pivot": "filament"}
+    assert profiles.profile("prusa-mini", own)["bed_width_mm"] == 180
+    for name, words in (("odd", r"\[odd\] sets speed; parameters are"), ("twist", "choose one of printed, filament")):
+        with pytest.raises(FormatError, match=words):
+            profiles.profile(name, own)
+    with pytest.raises(ParameterError, match=r"there is no 'none'; choose one of prusa-mini"):
+        profiles.profile("none", own)
+    own.write_text("[ender-3\n")
+    with pytest.raises(FormatError, match="is no TOML"):
+        profiles.profile("ender-3", own)
+
+
+@pytest.mark.parametrize("name", ["prusa-mini", "prusa-mk3s", "ender-3"])
+def test_shipped_profiles_are_parameters(name: str, tmp_path: Path) -> None:
+    assert FabricationParameters(**profiles.profile(name, tmp_path / "none.toml")).bed_width_mm >= 180.0
