@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import tomllib
 from collections.abc import Mapping
 from dataclasses import fields
@@ -13,14 +14,16 @@ from riot.errors import FormatError, ParameterError, needs_extra
 from riot.parameters import FabricationParameters
 from riot.parameters.fabrication import PIVOTS
 
-with needs_extra("print"):
-    import platformdirs
-
 FILE = "makers.toml"
 
 
 def own_profiles() -> Path:
-    """The file of the user's own profiles, which need not be there."""
+    """The file of the user's own profiles, which need not be there.
+
+    Raises `riot.errors.MissingExtraError` without the package that knows where it is.
+    """
+    with needs_extra("print"):  # here, since the help of commands does without
+        platformdirs = importlib.import_module("platformdirs")
     return Path(platformdirs.user_config_dir("riot", appauthor=False)) / FILE
 
 
