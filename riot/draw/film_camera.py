@@ -18,7 +18,7 @@ from riot.draw.palette import LIGHT, PENS, Pen, colour, hue
 from riot.draw.panels import shown_from_back, sketch
 from riot.draw.piece_image import PieceImage, PieceImages
 from riot.draw.scene import Dot, Line, PlacedPiece, Scene, extent, mirrored, placed
-from riot.draw.tuning import FILM_SUPERSAMPLING, MOTION_PENS, SWEPT_MARGIN, WAY_FRAMES
+from riot.draw.tuning import FILM_MARGIN_PENS, FILM_SUPERSAMPLING, MOTION_PENS, SWEPT_MARGIN, WAY_FRAMES
 from riot.motion.planner import motion_of
 from riot.transform.pose import rotate
 from riot.transform.transform import Transform
@@ -71,10 +71,15 @@ def paint(scene: Scene, size: tuple[int, int]) -> Image.Image:
     >>> paint(Scene("", (0.0, 0.0, 2.0, 1.0), 0.1, (), (Dot(1.0, 0.5, "hinge"),)), (8, 4)).getpixel((4, 2))
     (35, 38, 43)
     """
-    wide, high = (FILM_SUPERSAMPLING * side for side in size)
-    canvas = Image.new("RGB", (wide, high), LIGHT["paper"])
+    picture = Image.new("RGB", size, LIGHT["paper"])
     x0, _, x1, y1 = scene.box
-    painter = _Painter(scene, canvas, ImageDraw.Draw(canvas), np.array([x0, y1]), wide / (x1 - x0))
+    scale = size[0] / (x1 - x0)
+    left, top, right, low = _touched(scene, scale, size)
+    if right <= left or low <= top:
+        return picture
+    canvas = Image.new("RGB", (FILM_SUPERSAMPLING * (right - left), FILM_SUPERSAMPLING * (low - top)), LIGHT["paper"])
+    corner = np.array([x0 + left / scale, y1 - top / scale])
+    painter = _Painter(scene, canvas, ImageDraw.Draw(canvas), corner, FILM_SUPERSAMPLING * scale)
     for mark in scene.marks:
         if isinstance(mark, PlacedPiece):
             painter.piece(mark)
@@ -82,7 +87,21 @@ def paint(scene: Scene, size: tuple[int, int]) -> Image.Image:
             painter.dot(mark)
         elif isinstance(mark, Line):
             painter.line(mark.points, PENS[mark.pen])
-    return canvas.reduce(FILM_SUPERSAMPLING)
+    picture.paste(canvas.reduce(FILM_SUPERSAMPLING), (left, top))
+    return picture
+
+
+def _touched(scene: Scene, scale: float, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """The pixels that marks may touch: the others stay paper, and need no painting."""
+    left, low, right, high = extent(scene.marks, scene.pieces)
+    margin = FILM_MARGIN_PENS * scene.pen
+    x0, _, _, y1 = scene.box
+    return (
+        max(0, math.floor((left - margin - x0) * scale)),
+        max(0, math.floor((y1 - high - margin) * scale)),
+        min(size[0], math.ceil((right + margin - x0) * scale)),
+        min(size[1], math.ceil((y1 - low + margin) * scale)),
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -86,11 +86,14 @@ LIFTING_RADIUS = 4.5
 FILM_WIDTH = 640
 """Pixels across a film whose width is not given."""
 
-MP4_RATE = 30
+MP4_RATE = 25
 """Frames a second of an MP4; a GIF has as many as the animated SVG has key frames."""
 
 MP4_QUALITY = 18
 """Constant rate factor of an MP4, x264's scale from 0 (no loss) to 51: 18 and less look like the original."""
+
+FILM_MARGIN_PENS = 7.0
+"""Pens that dots and lines reach beyond their points, at most."""
 
 MP4_PRESET = "veryfast"
 """How long x264 looks for what repeats; a tenth more bytes than by its own choice, in a third of the time."""
