@@ -17,10 +17,10 @@ from riot.types import FloatArray, IntArray
 from riot.units import D_C
 
 FIRST_LISTED = 64
-"""Candidates that are listed at once. Ours: any number gives the same result, this one few area terms."""
+"""Candidates that are listed at first. Ours: any number gives the same result, this one few area terms."""
 
 _MORE_LISTED = 4
-"""Factor by which this grows when all bounds are equal."""
+"""Factor by which this grows each time: every list is a search of its own, of all trunks that are not out of reach."""
 
 AREA_SLACK = 2e-3
 """Greatest error of the area term by scanlines, by which its cheap bound is lowered. Ours: above the greatest
@@ -161,8 +161,8 @@ def best_of_prepared(
     while True:
         candidates, which = np.empty((capacity, 2)), np.empty((capacity, 3), dtype=np.int64)
         listed, reached = nearest_candidates(a.side, b.side, units, bounds, pairs, above, limit, candidates, which)
+        capacity *= _MORE_LISTED
         if listed < 0:
-            capacity *= _MORE_LISTED
             continue
         order = np.argsort(candidates[:listed, 0], kind="stable")
         number, begun = best_area_terms(
