@@ -9,6 +9,7 @@ import pyarrow.parquet as pq
 from rich.console import Console
 
 from pipeline.cli.progress import duration
+from pipeline.datasets.collection import DUPLICATE
 from pipeline.flow import RunOutcome
 from pipeline.report.comparison import read_comparison
 from pipeline.tables.messages import sentences, several
@@ -133,7 +134,11 @@ def _times(outcome: RunOutcome) -> Table:
 
 
 def _errors(outcome: RunOutcome, console: Console, most: int | None) -> None:
-    errors = outcome.results.errors
+    errors = [row for row in outcome.results.errors if row["reason"] != DUPLICATE]
+    copies = len(outcome.results.errors) - len(errors)
+    if copies:
+        text = f"{several(copies, 'file is', 'files are')} left out: the same bytes as another (errors.parquet)."
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
     if not errors:
         return
     kinds = Counter((row["stage"], row["reason"] or row["type"]) for row in errors)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from riot.cli.complaints import doubtful_outline
 from riot.cli.inputs import add_inputs, add_pieces, read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import Parser
@@ -21,6 +22,9 @@ def add_options(parser: Parser) -> None:
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     a, b = read_inputs(chosen.a, chosen.b)
+    for path, shape in ((chosen.a, a), (chosen.b, b)):
+        for doubt in doubtful_outline(path, shape):
+            output.complain(doubt)
     compile_used(output.note, __name__)
     pairs = [
         {"rank": rank, "pieces": len(plan.trunk_p), "bound_p": plan.bound_p, "bound_q": plan.bound_q}

@@ -179,8 +179,9 @@ def _others(picture: Picture, plain: Candidate) -> Iterator[Candidate]:
     values = picture.grey[..., None] if picture.colours is None else picture.colours.astype(np.float64)
     mended = frames.without_lines(values, plain.component)
     if mended is not None:
-        without = frames.without_lines(picture.grey[..., None], plain.component)
-        yield replace(by_levels(values[..., 0] if without is None else without[..., 0]), remarks=(LINE,))
+        grey = frames.without_lines(picture.grey[..., None], plain.component)
+        if grey is not None and grey.min() < grey.max():
+            yield replace(by_levels(grey[..., 0]), remarks=(LINE,))
         values = mended
     for field, remark in background.fields(values):
         if field.min() < field.max():

@@ -411,3 +411,13 @@ def test_the_report_leads_to_every_outline_on_its_picture(finished: Path) -> Non
     sheet = (folder / "check.html").read_text(encoding="utf-8")
     assert all(f"outline of {row['name']}" in sheet for row in table(finished, "shapes"))
     assert "check.html" in json.loads((folder / "run.json").read_text(encoding="utf-8"))["files"]
+
+
+def test_identical_files_alone_are_no_error(copied: Path, root: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "with a copy"
+    shutil.copytree(root, folder)
+    first = min(folder.glob("*.png"))
+    shutil.copy(first, folder / f"{first.stem}~copy.png")
+    done = run_here(copied, folder, "cluster=sync")
+    assert done.returncode == CLEAN, done.stdout + done.stderr
+    assert "1 file is left out: the same bytes as another" in done.stdout

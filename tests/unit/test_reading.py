@@ -213,3 +213,9 @@ def test_polygons_of_other_libraries() -> None:
     assert polygon_shape(corners[:, None], "arrow") == plain  # OpenCV
     assert polygon_shape(np.column_stack([corners, np.arange(len(corners))]), "arrow") == plain  # with heights
     assert riot.Shape.from_polygon(shapely.Polygon(OUTLINE), "arrow") == plain
+
+
+def test_a_needle_across_the_page_is_an_object_if_there_is_no_other() -> None:
+    needle = np.zeros((40, 1000), dtype=np.uint8)
+    needle[19:21, 20:980] = 255
+    assert pixels_shape(needle, "needle").perimeter > 10.0
