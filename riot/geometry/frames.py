@@ -31,7 +31,8 @@ _SHOWN = 0.01
 _NESTED = 3
 """Frames inside one another."""
 
-_MOST_LINES = 4
+MOST_LINES = 4
+"""Lines that are left out, one after another."""
 
 
 def box_of(mask: BoolArray) -> tuple[slice, slice]:

@@ -8,11 +8,11 @@ from PIL import Image
 
 from riot.types import BoolArray
 
-_CORNERS = 0.03
+_CORNERS = 0.04
 """A page whose transparent part is at most this share of it may have rounded corners, or specks. Ours: the corners of
 a card have about this share at a radius of a fifth of its side."""
 
-_PAGE_BORDER = 0.6
+_PAGE_BORDER = 0.55
 """Share of the border that is opaque in such a page. Ours."""
 
 _SAME_COLOUR = 24

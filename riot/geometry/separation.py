@@ -26,6 +26,9 @@ _CLEAR = 0.9
 _TWO_LEVELS = 0.97
 """Otsu's criterion of a picture that has two levels and little else: no other way can see more in it. Ours."""
 
+_SPLIT = 0.4
+"""Share of the border from which the other side of a separation may as well be the object. Ours."""
+
 _BETTER = 0.05
 """By how much more another way must score. Ours: what is clear enough stays as it is."""
 
@@ -138,7 +141,8 @@ def separate(picture: Picture) -> Candidate:
     if picture.opaque_object:
         return plain
     plain = plain.known(lost=_lost(picture, plain))
-    if _is_object(plain) and (plain.score >= _CLEAR or (plain.criterion >= _TWO_LEVELS and not plain.lost)):
+    two_levels_only = plain.criterion >= _TWO_LEVELS and not plain.lost and border_of(plain.component).mean() < _SPLIT
+    if _is_object(plain) and (plain.score >= _CLEAR or two_levels_only):
         return plain
     best = plain if _is_object(plain) else plain.known(lost=1.0)
     for candidate in _others(picture, plain):
@@ -177,12 +181,16 @@ def border_of(mask: BoolArray) -> BoolArray:
 
 def _others(picture: Picture, plain: Candidate) -> Iterator[Candidate]:
     values = picture.grey[..., None] if picture.colours is None else picture.colours.astype(np.float64)
-    mended = frames.without_lines(values, plain.component)
-    if mended is not None:
-        grey = frames.without_lines(picture.grey[..., None], plain.component)
-        if grey is not None and grey.min() < grey.max():
-            yield replace(by_levels(grey[..., 0]), remarks=(LINE,))
-        values = mended
+    if border_of(plain.light).mean() >= _SPLIT:
+        yield Candidate(1.0 - plain.ramp, ~plain.light, plain.criterion, levels=plain.levels)
+    grey, seen = picture.grey[..., None], plain
+    for _ in range(frames.MOST_LINES):
+        mended, without = (frames.without_lines(of, seen.component) for of in (values, grey))
+        if mended is None or without is None or without.min() == without.max():
+            break
+        values, grey = mended, without
+        seen = replace(by_levels(grey[..., 0]), remarks=(LINE,))
+        yield seen
     for field, remark in background.fields(values):
         if field.min() < field.max():
             yield _without_frame(replace(by_levels(field), remarks=(remark,) if remark else ()))
