@@ -108,6 +108,8 @@ def _parents(folder: Path) -> Iterator[_Parents]:
     missing = []
     for parent in folder.parents:
         if parent.exists():
+            if not parent.is_dir():
+                raise NotADirectoryError(errno.ENOTDIR, f"{parent.name} is a file, not a folder", str(folder))
             break
         missing.append(parent)
     parents = _Parents()
