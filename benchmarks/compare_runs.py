@@ -21,7 +21,7 @@ import pyarrow.parquet as pq
 
 from riot.types import BoolArray
 
-TABLES = ("*.parquet", "qcrs/**/*.parquet")
+TABLES = ("*.parquet", "qcrs")
 TRANSFORMS = "transforms/*.riot"
 PRINTED = "print/**/*"
 
@@ -53,7 +53,7 @@ def _files(first: Path, second: Path, patterns: Sequence[str]) -> list[Path]:
         for folder in (first, second)
         for pattern in patterns
         for file in folder.glob(pattern)
-        if file.is_file()
+        if file.is_file() or file.name == "qcrs"
     })  # fmt: skip
 
 
@@ -67,7 +67,7 @@ def _either(first: Path, second: Path, path: Path, compare: Callable[[Path, Path
 
 def _tables(first: Path, second: Path, path: Path, ignored: Collection[str]) -> Iterator[str]:
     name = path.parts[0].removesuffix(".parquet")
-    left, right = (pq.ParquetFile(file).read() for file in (first, second))
+    left, right = (_read(file) for file in (first, second))
     columns = [column for column in left.column_names if f"{name}.{column}" not in ignored]
     others = [column for column in right.column_names if f"{name}.{column}" not in ignored]
     if columns != others:
@@ -79,6 +79,12 @@ def _tables(first: Path, second: Path, path: Path, ignored: Collection[str]) -> 
     for column in columns:
         if column in others:
             yield from (f"{column}: {line}" for line in _columns(left[column], right[column]))
+
+
+def _read(path: Path) -> pa.Table:
+    """A table, of one file or of a folder of files, which stand in order of their names."""
+    files = [path] if path.is_file() else sorted(path.rglob("*.parquet"))
+    return pa.concat_tables([pq.ParquetFile(file).read() for file in files])
 
 
 def _columns(left: pa.ChunkedArray, right: pa.ChunkedArray) -> Iterator[str]:

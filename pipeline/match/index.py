@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from pipeline.errors import PayloadError
 from pipeline.plan.code_digest import code_digests, library_versions
-from pipeline.stages.qcrs import prepare
+from pipeline.stages.qcrs import stack_of_batch
 from pipeline.store.artifact import AnyArray, Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import Store
@@ -33,7 +33,7 @@ def load_index(store: Store, trunks: Sequence[str], note: Callable[[str], None])
     if saved is not None:
         return saved
     note("building the index, once for this collection …")
-    index = TrunkIndex.build([prepare(store.get(TRUNKS_STAGE, key)) for key in trunks])
+    index = TrunkIndex.build([stack_of_batch(store.get(TRUNKS_STAGE, key)) for key in trunks])
     try:
         _save(store, array_keys, index)
     except OSError as error:

@@ -11,7 +11,7 @@ from functools import cached_property
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
-from pipeline.plan.batches import cut
+from pipeline.plan.batches import SPREAD, batches_in_a_group, cut
 from pipeline.plan.work_item import Recipe, Reference, WorkItem
 from pipeline.store.artifact import Artifact
 
@@ -46,6 +46,21 @@ class Progress:
     def classes(self) -> tuple[str, ...]:
         """The class of every item; empty for none."""
         return tuple(item.cls for item in self.items)
+
+    @cached_property
+    def groups(self) -> tuple[range, ...]:
+        """Numbers of the batches of each group: a block of pairs is between two groups, or of one with itself.
+
+        Groups are cut by content, as batches are.
+        """
+        contents = ["".join(item.digest for item in self.items[batch.start : batch.stop]) for batch in self.batches]
+        mean = batches_in_a_group(len(contents), self.config.batch)
+        return tuple(cut(contents, mean, SPREAD))
+
+    def of_group(self, number: int) -> range:
+        """Positions of the items of a group."""
+        group = self.groups[number]
+        return range(self.batches[group.start].start, self.batches[group.stop - 1].stop)
 
     def locate(self, position: int) -> tuple[int, int]:
         """(batch, index within it) of an item; raises LookupError for a position that no item has."""

@@ -12,13 +12,35 @@ Span = tuple[int, int]
 
 
 @dataclass(frozen=True)
+class Sides:
+    """The sides of a block: so many of its inputs are batches of ``rows``, and after them so many of ``columns``.
+
+    Without columns it is the block of a group with itself.
+    """
+
+    rows: int
+    columns: int
+
+    @property
+    def same(self) -> bool:
+        """Whether both sides are the same."""
+        return self.columns == 0
+
+    @property
+    def numbers(self) -> tuple[range, range]:
+        """Numbers of the inputs of either side."""
+        rows = range(self.rows)
+        return rows, rows if self.same else range(self.rows, self.rows + self.columns)
+
+
+@dataclass(frozen=True)
 class SubBlock:
     """Some rows and columns of a block of pairs; ``whole`` is the spec of the work item that they are taken from.
 
-    Rows and columns are numbered within their batches. Where ``whole`` is True, both are of one batch, and only pairs
-    with row < column count. A search for partners has its shard as a single column.
+    Rows and columns are numbered within their sides. Where these are the same, only pairs with row < column count. A
+    search for partners has its shard as a single column.
 
-    >>> list(SubBlock(True, (0, 3), (0, 3)).pairs())
+    >>> list(SubBlock(Sides(1, 0), (0, 3), (0, 3)).pairs())
     [(0, 1), (0, 2), (1, 2)]
     """
 
@@ -28,9 +50,10 @@ class SubBlock:
 
     def pairs(self) -> Iterator[tuple[int, int]]:
         """(row, column) of all its pairs, in order."""
+        same = isinstance(self.whole, Sides) and self.whole.same
         for row in range(*self.rows):
             for column in range(*self.columns):
-                if row < column or self.whole is not True:
+                if row < column or not same:
                     yield row, column
 
     def halves(self) -> list[SubBlock]:

@@ -13,7 +13,8 @@ Reference = tuple[str, str]
 """(stage, key) of an artifact."""
 
 Pair = tuple[int, int]
-"""Positions of two items in the collection, the smaller first; or numbers of two batches, of a batch and a shard."""
+"""Positions of two items in the collection, the smaller first; or numbers of two groups of batches, or of a batch and a
+shard."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class WorkItem:
 
     ``sources`` are the artifacts that it reads; ``spec`` is the third argument of its stage's ``run``. ``members`` are
     the positions of the collection's items that it concerns: all of a batch, two of a pair. ``block`` numbers the two
-    batches, or the batch and the shard, between which it lies; ``pairs`` is how many pairs of shapes lie there.
+    groups, or the batch and the shard, between which it lies; ``pairs`` is how many pairs of shapes lie there.
     """
 
     parts: KeyParts

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError, StorageError
+from pipeline.plan.sub_block import Sides
 from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.clusters import Bundle, Executor, SyncExecutor, open_cluster
 from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
@@ -17,6 +18,7 @@ from pipeline.runtime.retries import MACHINE_FAULTS, MACHINE_TRIES
 from pipeline.runtime.stage_kernels import StageKernels
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
+from pipeline.stages.block_rows import ReusingBlock
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.location import Location
@@ -53,7 +55,8 @@ class Run:
         cached = {reference: cost for reference, (state, cost) in states.items() if state is State.PRESENT}
         corrupt = sum(state is State.CORRUPT for state, _ in states.values())
         self.done |= cached.keys()
-        ready = {ref: item for ref, item in unique.items() if ref not in cached and self.done.issuperset(item.sources)}
+        missing = {ref: item for ref, item in unique.items() if ref not in cached}
+        ready = {ref: item for ref, item in missing.items() if self.done.issuperset(_needed(item))}
         self.blocked |= unique.keys() - cached.keys() - ready.keys()
         amount = sum(stage.amount(item) for item in ready.values())
         self.listen(StageStarted(stage.name, stage.unit, len(unique), len(cached), corrupt, stage.counted, amount))
@@ -185,7 +188,9 @@ def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
         return []
     stage, least = BY_NAME[items[0].stage], TASKS_PER_WORKER * workers
     if stage.tile:
-        tilings = (tiles(items, side) for side in range(stage.tile, 0, -1))
+        # Of large groups a tile has few: as many batches on a side as of small ones.
+        widest = max(1, stage.tile // max(1, max(len(item.sources) for item in items) // 2))
+        tilings = (tiles(items, side) for side in range(widest, 0, -1))
         return next((tiling for tiling in tilings if len(tiling) >= least), [[item] for item in items])
     size = max(1, min(stage.bundle, len(items) // least))
     return [items[start : start + size] for start in range(0, len(items), size)]
@@ -194,14 +199,28 @@ def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
 def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:
     """Group work items between two inputs into tiles, of the work between ``side`` inputs and ``side`` others.
 
-    Inputs are numbered as they appear. The largest tiles come first, so that workers end at about the same time.
+    Groups of inputs are numbered as they appear. The largest tiles come first, so that workers end at about the same
+    time.
     """
-    numbers: dict[Reference, int] = {}
+    numbers: dict[tuple[Reference, ...], int] = {}
     tiling: dict[tuple[int, int], list[WorkItem]] = {}
     for item in items:
-        sides = [numbers.setdefault(source, len(numbers)) // side for source in item.sources]
+        sides = [numbers.setdefault(group, len(numbers)) // side for group in _sides(item)]
         tiling.setdefault((min(sides), max(sides)), []).append(item)
     return sorted(tiling.values(), key=len, reverse=True)
+
+
+def _needed(item: WorkItem) -> Sequence[Reference]:
+    """The inputs without which a work item cannot be done: older blocks only save work."""
+    return item.sources[: len(item.parts.inputs)] if isinstance(item.spec, ReusingBlock) else item.sources
+
+
+def _sides(item: WorkItem) -> list[tuple[Reference, ...]]:
+    """The inputs on either side of a work item."""
+    sides = item.spec.sides if isinstance(item.spec, ReusingBlock) else item.spec
+    if not isinstance(sides, Sides):
+        return [(source,) for source in item.sources]
+    return [tuple(item.sources[number] for number in side) for side in sides.numbers]
 
 
 @contextlib.contextmanager

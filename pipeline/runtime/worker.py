@@ -64,12 +64,13 @@ def _run_item(store: Store, inputs: Inputs, position: int, item: WorkItem) -> Re
         stage = checked_stage(item.stage, code_text(item.parts.code, item.parts.versions))
         artifact = stage.run(inputs.of(position, item, stage.prepare), item.parameters, item.spec)
         seconds, cpu_seconds = time.perf_counter() - wall, time.process_time() - cpu
-        store.put(item.parts, artifact, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": _peak_mb()})
+        store.put(item.parts, artifact, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": peak_mb()})
     except Exception as error:
         failure = Failure(type(error).__name__, str(error) or type(error).__name__)
-    return Receipt(item.stage, item.key, time.perf_counter() - wall, time.process_time() - cpu, _peak_mb(), failure)
+    return Receipt(item.stage, item.key, time.perf_counter() - wall, time.process_time() - cpu, peak_mb(), failure)
 
 
-def _peak_mb() -> float:
+def peak_mb() -> float:
+    """Greatest resident memory of this process so far."""
     # Kilobytes on Linux, bytes on macOS.
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)

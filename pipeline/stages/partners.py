@@ -14,8 +14,7 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.qcrs import COLUMNS
-from pipeline.stages.qcrs import prepare as stack_of_batch
+from pipeline.stages.qcrs import COLUMNS, stack_of_batch
 from pipeline.stages.shards import is_shard, searches, spans, unpack
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from pipeline.datasets.colours import may_be_coloured
 from pipeline.plan.progress import Progress
+from pipeline.plan.sub_block import Sides
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.ingest import shape_key
 
@@ -16,20 +17,23 @@ def after_each(progress: Progress, stage: str, earlier: str) -> list[WorkItem]:
     return [recipe.after(item) for item in progress.work[earlier]]
 
 
-def between_batches(progress: Progress, stage: str) -> list[WorkItem]:
-    """A work item for every two batches of trunks, and for each one with itself; ``spec`` says which of both."""
+def between_groups(progress: Progress, stage: str) -> list[WorkItem]:
+    """A work item for every two groups of batches of trunks, and each with itself; ``spec`` has its `Sides`."""
     recipe, trunks = progress.recipes[stage], progress.work["trunks"]
+    batches = [[trunks[number] for number in group] for group in progress.groups]
+    members = [tuple(progress.of_group(number)) for number in range(len(batches))]
     blocks = []
-    for a, first in enumerate(trunks):
-        for b, second in enumerate(trunks[a:], start=a):
-            both = (first,) if a == b else (first, second)
-            m, n = len(first.members), len(second.members)
+    for a, rows in enumerate(batches):
+        for b in range(a, len(batches)):
+            columns = [] if a == b else batches[b]
+            both, sides = [*rows, *columns], Sides(len(rows), len(columns))
+            m, n = len(members[a]), len(members[b])
             blocks.append(
                 recipe.item(
-                    recipe.parts([item.key for item in both]),
+                    recipe.parts([item.key for item in both], sides),
                     [item.reference for item in both],
-                    spec=a == b,
-                    members=[position for item in both for position in item.members],
+                    spec=sides,
+                    members=members[a] if a == b else members[a] + members[b],
                     block=(a, b),
                     pairs=m * (m - 1) // 2 if a == b else m * n,
                 )

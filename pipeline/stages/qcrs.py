@@ -1,4 +1,4 @@
-"""Quick cross-reversibility scores of a block: all pairs of two batches, or of one with itself (paper §5.2)."""
+"""Quick cross-reversibility scores of a block: all pairs of two groups, or of one with itself (paper §5.2)."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import numpy as np
 
 from pipeline.config.schema import Config
 from pipeline.plan.progress import Progress
-from pipeline.plan.sub_block import SubBlock
+from pipeline.plan.sub_block import Sides, SubBlock
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.planning import between_batches
+from pipeline.stages.block_rows import STARTS, Columns, ReusingBlock, block_rows, is_block, ordered, side_starts
+from pipeline.stages.planning import between_groups
 from pipeline.stages.stage import Column, Stage, SubBlocks, TableColumns
 from pipeline.stages.trunk_arrays import unpack_batch_trunks
 from pipeline.store.artifact import Artifact
@@ -25,28 +26,38 @@ if TYPE_CHECKING:
 COLUMNS = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
 
 
-def prepare(batch: Artifact) -> TrunkStack:
-    """The stack of a batch's trunks, which the scores read."""
+def prepare(artifact: Artifact) -> TrunkStack | Artifact:
+    """The stack of a batch's trunks, which the scores read; an older block as it is."""
+    return artifact if is_block(artifact) else stack_of_batch(artifact)
+
+
+def stack_of_batch(batch: Artifact) -> TrunkStack:
+    """The stack of a batch's trunks."""
     starts, leaves = batch.arrays["leaf_offsets"].tolist(), np.array(batch.arrays["leaves"])
     return scores.trunk_stack.stack(unpack_batch_trunks(batch), [leaves[a:b] for a, b in pairwise(starts)])
 
 
-def run(inputs: Sequence[TrunkStack], parameters: Sequence[Any], spec: bool | SubBlock) -> Artifact:
-    """Stacks of one batch (``spec``: with itself) or of two → a row for each pair, i and j local to their batches."""
+def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Sides | ReusingBlock | SubBlock) -> Artifact:
+    """Stacks of the batches of one group or two → a row for each pair, by (i, j), which are local to the groups."""
     (settings,) = parameters
-    stacks = list(inputs)
     if isinstance(spec, SubBlock):
+        first, second = ([inputs[number] for number in side] for side in spec.whole.numbers)
         pairs = np.array(list(spec.pairs()), dtype=np.int64)
-        return _rows(scores.qcrs.score_pairs(stacks[0], stacks[-1], pairs, settings))
-    return _rows(scores.qcrs.score_block(stacks[0], stacks[-1], settings, same=spec))
+        rows = _rows(scores.qcrs.score_pairs(scores.index.join(first), scores.index.join(second), pairs, settings))
+        return Artifact({**rows.arrays, **side_starts(inputs, spec.whole)})
+
+    def score(a: TrunkStack, b: TrunkStack, same: bool) -> Columns:
+        return _rows(scores.qcrs.score_block(a, b, settings, same=same)).arrays
+
+    return ordered(block_rows(inputs, spec, score))
 
 
 def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
     """The artifact of a block from those of its sub-blocks; pairs of ``lost`` sub-blocks have the rows of `unknown`."""
     pieces = [*(artifact.arrays for artifact in artifacts), *(unknown(list(block.pairs())).arrays for block in lost)]
     rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in COLUMNS}
-    order = np.lexsort((rows["j"], rows["i"]))
-    return Artifact({name: column[order] for name, column in rows.items()})
+    starts = {name: artifact.arrays[name] for artifact in artifacts[:1] for name in STARTS}
+    return ordered(Artifact({**rows, **starts}))
 
 
 def unknown(pairs: Sequence[tuple[int, int]]) -> Artifact:
@@ -61,8 +72,8 @@ def _rows(block: BlockScores) -> Artifact:
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for every two batches, and for each batch with itself."""
-    return between_batches(progress, "qcrs")
+    """A work item for every two groups of batches, and for each group with itself."""
+    return between_groups(progress, "qcrs")
 
 
 def scores_all(config: Config) -> bool:

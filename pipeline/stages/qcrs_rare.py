@@ -7,15 +7,18 @@ seldom the best; searching these alone takes a tenth of the time of all (ours).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pipeline.config.schema import Config
 from pipeline.plan.progress import Progress
+from pipeline.plan.sub_block import Sides
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.planning import between_batches
-from pipeline.stages.qcrs import prepare as stack_of_batch
+from pipeline.stages.block_rows import Columns, ReusingBlock, block_rows, is_block
+from pipeline.stages.planning import between_groups
+from pipeline.stages.qcrs import stack_of_batch
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from riot import scores
@@ -30,28 +33,44 @@ RARE = ((3, 3), (6, int(np.iinfo(np.int8).max)))
 COLUMNS = ("i", "j", "score", "n")
 
 
-def prepare(batch: Artifact) -> tuple[TrunkStack, ...]:
+@dataclass(frozen=True)
+class RareTrunks:
     """The stacks of a batch's trunks of each range of `RARE`."""
-    whole = stack_of_batch(batch)
-    return tuple(scores.trunk_stack.of_sizes(whole, least, most) for least, most in RARE)
+
+    stacks: tuple[TrunkStack, ...]
+
+    def __len__(self) -> int:
+        return len(self.stacks[0])
 
 
-def run(inputs: Sequence[tuple[TrunkStack, ...]], parameters: Sequence[QcrsParameters], spec: bool) -> Artifact:
-    """Stacks of one batch (``spec``: with itself) or of two → rows i, j (local), score and n of each range's trunks.
+def prepare(artifact: Artifact) -> RareTrunks | Artifact:
+    """The rare trunks of a batch; an older block as it is."""
+    if is_block(artifact):
+        return artifact
+    whole = stack_of_batch(artifact)
+    return RareTrunks(tuple(scores.trunk_stack.of_sizes(whole, least, most) for least, most in RARE))
+
+
+def run(inputs: Sequence[Any], parameters: Sequence[QcrsParameters], spec: Sides | ReusingBlock) -> Artifact:
+    """Rare trunks of the batches of one group or two → rows i, j (local to them), score and n of each range's trunks.
 
     Only pairs with such trunks have a row.
     """
     (settings,) = parameters
-    blocks = [
-        scores.qcrs.score_block(first, last, settings, same=spec)
-        for first, last in zip(inputs[0], inputs[-1], strict=True)
-    ]
-    return Artifact({name: np.concatenate([getattr(block, name)[block.n > 0] for block in blocks]) for name in COLUMNS})
+
+    def score(a: RareTrunks, b: RareTrunks, same: bool) -> Columns:
+        blocks = [
+            scores.qcrs.score_block(first, last, settings, same=same)
+            for first, last in zip(a.stacks, b.stacks, strict=True)
+        ]
+        return {name: np.concatenate([getattr(block, name)[block.n > 0] for block in blocks]) for name in COLUMNS}
+
+    return block_rows(inputs, spec, score)
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for every two batches, and for each batch with itself."""
-    return between_batches(progress, "qcrs_rare")
+    """A work item for every two groups of batches, and for each group with itself."""
+    return between_groups(progress, "qcrs_rare")
 
 
 def fills_by_size(config: Config) -> bool:

@@ -47,9 +47,9 @@ class Selecting:
     """What selection reads of the collection.
 
     ``classes`` are by position, ``starts`` the positions of the batches' first shapes. The inputs are, in this order,
-    scores of ``blocks``, scores of the blocks ``rare``, reversibility of ``rated``, and the shapes ``read``, if those
-    in doubt are left out, all by numbers of batches, and, if it is ``described``, the collection. ``wishes`` are the
-    pairs that the user wants.
+    scores of ``blocks`` and of the blocks ``rare``, by the positions of their first shapes on both sides, reversibility
+    of ``rated`` and the shapes ``read``, if those in doubt are left out, by numbers of batches, and, if it is
+    ``described``, the collection. ``wishes`` are the pairs that the user wants.
     """
 
     classes: tuple[str, ...]
@@ -174,10 +174,10 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) 
     read = {spec.starts[number]: batch for number, batch in zip(spec.read, inputs[ends[2] : ends[3]], strict=True)}
     wished, clear = spec.wishes.of(len(spec.classes)), ~doubtful(read, len(spec.classes))
 
-    def rows(numbers: Sequence[tuple[int, int]], artifacts: Sequence[Artifact]) -> Iterator[Rows]:
-        for (a, b), block in zip(numbers, artifacts, strict=True):
-            i = block.arrays["i"].astype(np.int64) + spec.starts[a]
-            j = block.arrays["j"].astype(np.int64) + spec.starts[b]
+    def rows(starts: Sequence[tuple[int, int]], artifacts: Sequence[Artifact]) -> Iterator[Rows]:
+        for (first, second), block in zip(starts, artifacts, strict=True):
+            i = block.arrays["i"].astype(np.int64) + first
+            j = block.arrays["j"].astype(np.int64) + second
             score, n = np.asarray(block.arrays["score"]), block.arrays["n"].astype(np.int64)
             yield Rows(i, j, score, n).at(wished(i, j) & clear[i] & clear[j])
 
@@ -266,8 +266,9 @@ def items(progress: Progress) -> list[WorkItem]:
     sources = [*blocks.values(), *rare.values(), *per_batch, *things]
     starts = tuple(batch.start for batch in progress.batches)
     wishes = wished_shapes(progress.config.select, progress.items)
-    batches = tuple(blocks), tuple(rare), tuple(rated)
-    spec = Selecting(progress.classes, starts, *batches, bool(things), wishes, tuple(read))
+    first = [progress.of_group(number).start for number in range(len(progress.groups))]
+    of_blocks, of_rare = (tuple((first[a], first[b]) for a, b in numbers) for numbers in (blocks, rare))
+    spec = Selecting(progress.classes, starts, of_blocks, of_rare, tuple(rated), bool(things), wishes, tuple(read))
     recipe = progress.recipes["select"]
     # A digest instead of the spec keeps the classes out of the manifest.
     parts = recipe.parts([item.key for item in sources], digest_text(repr(spec)))

@@ -10,7 +10,7 @@ from pipeline.config.schema import Config
 from pipeline.plan.batches import cut
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.qcrs import prepare
+from pipeline.stages.qcrs import stack_of_batch
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from riot import scores
@@ -81,6 +81,6 @@ STAGE = Stage(
     items=items,
     run=run,
     scope="collection",
-    prepare=prepare,
+    prepare=stack_of_batch,
     wanted=searches,
 )

@@ -72,7 +72,7 @@ class SubBlocks:
     """How the work of a block is divided, to find the pairs of it that hang or kill a worker.
 
     ``join`` makes the block's artifact from those of its sub-blocks, except the lost ones. With ``columns_are_shapes``
-    a block lies between two batches; else between a batch and a shard, which counts as a single column.
+    a block lies between two groups of batches; else between a batch and a shard, which counts as a single column.
     """
 
     join: Callable[[Sequence[Artifact], Sequence[SubBlock]], Artifact]
@@ -80,17 +80,23 @@ class SubBlocks:
 
     def whole(self, progress: Progress, item: WorkItem) -> SubBlock:
         """The sub-block that is the whole block."""
-        a, b = _block(item)
-        columns = len(progress.batches[b]) if self.columns_are_shapes else 1
-        return SubBlock(item.spec, (0, len(progress.batches[a])), (0, columns))
+        rows, columns = self._positions(progress, item)
+        return SubBlock(item.spec, (0, len(rows)), (0, len(columns)))
 
     def members(self, progress: Progress, item: WorkItem, sub_block: SubBlock) -> list[int]:
         """Positions of the shapes of a sub-block's rows, and of its columns where these are shapes."""
-        a, b = _block(item)
-        members = {progress.batches[a].start + row for row in range(*sub_block.rows)}
+        rows, columns = self._positions(progress, item)
+        members = set(rows[slice(*sub_block.rows)])
         if self.columns_are_shapes:
-            members |= {progress.batches[b].start + column for column in range(*sub_block.columns)}
+            members |= set(columns[slice(*sub_block.columns)])
         return sorted(members)
+
+    def _positions(self, progress: Progress, item: WorkItem) -> tuple[range, range]:
+        """Positions of the shapes of a block's rows and columns; a shard counts as one column."""
+        a, b = _block(item)
+        if self.columns_are_shapes:
+            return progress.of_group(a), progress.of_group(b)
+        return progress.batches[a], range(1)
 
 
 def _block(item: WorkItem) -> tuple[int, int]:

@@ -7,7 +7,7 @@ import re
 import shutil
 import unicodedata
 import uuid
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,11 +38,12 @@ def write_table(folder: Path, name: str, batches: Iterable[pa.Table]) -> Path:
     return temporary.replace(path)
 
 
-def write_parquet(path: Path, schema: pa.Schema, batches: Iterable[pa.Table]) -> None:
-    """Write batches as one Parquet file at ``path``."""
-    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+def write_parquet(path: Path, schema: pa.Schema, batches: Iterable[pa.Table], sorted_by: Sequence[str] = ()) -> None:
+    """Write batches as one Parquet file at ``path``, a row group each; its rows are ``sorted_by`` these columns."""
+    sorting = [pq.SortingColumn(schema.get_field_index(name)) for name in sorted_by] or None
+    with pq.ParquetWriter(path, schema, compression="zstd", sorting_columns=sorting) as writer:
         for batch in batches:
-            writer.write_table(batch)
+            writer.write_table(batch, row_group_size=max(1, len(batch)))
 
 
 def from_rows(schema: pa.Schema, rows: Iterable[Row]) -> pa.Table:

@@ -1,8 +1,9 @@
-"""Tables with rows of pairs: the blocks of `qcrs`, `selected`, and `crs`."""
+"""Tables with rows of pairs: `qcrs`, `selected`, and `crs`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,10 @@ from riot.errors import needs_extra
 
 with needs_extra("mine"):
     import pyarrow as pa
+
+
+Columns = dict[str, Any]
+"""Columns of `qcrs` by name."""
 
 
 def pair_names(results: Results, members: tuple[int, ...]) -> Row:
@@ -72,57 +77,93 @@ def crs_rows(results: Results) -> Iterator[Row]:
             yield {"rank": rank, "i": names["i"], "j": names["j"], **values}
 
 
-def write_qcrs(results: Results, folder: Path) -> list[Path]:
-    """Write the scores into ``qcrs/``, a file for each batch of first shapes; returns the files.
+ROWS = 1_000_000
+"""Rows of a row group of `qcrs`, as readers of Parquet like it: about 10 MB."""
 
-    A new folder replaces the old one, so that no file of an earlier run with more blocks stays.
+ROW_GROUPS = 8
+"""Row groups of a file of `qcrs`: some 80 MB."""
+
+PIECE = ROWS // 4
+"""Rows that are put in order at a time: a row group has at most so many more."""
+
+
+def write_qcrs(results: Results, folder: Path) -> list[Path]:
+    """Write the scores into ``qcrs/``, ordered by i and j from file to file; returns the files.
+
+    A new folder replaces the old one, so that no file of an earlier run with more pairs stays.
     """
     temporary = new_place(folder)
-    names = []
+    temporary.mkdir()
     schema = SCHEMAS["qcrs"] if results.search is None else results.search.schema()
-    for a in range(len(results.progress.batches)):
-        name = Path(f"i_block={a:04d}") / "part-0.parquet"
-        (temporary / name).parent.mkdir(parents=True)
-        write_parquet(temporary / name, schema, [_block_row(results, a).cast(schema)])
-        names.append(name)
-    temporary.mkdir(exist_ok=True)
+    groups = (table.cast(schema) for table in _row_groups(results))
+    names: list[str] = []
+    for first in groups:
+        names.append(f"part-{len(names):04d}.parquet")
+        write_parquet(temporary / names[-1], schema, chain([first], islice(groups, ROW_GROUPS - 1)), ("i", "j"))
     replace_folder(temporary, folder / "qcrs")
     return [folder / "qcrs" / name for name in names]
 
 
-def _block_row(results: Results, a: int) -> pa.Table:
-    """All scored pairs whose first shape is in batch ``a``, ordered by i and j."""
-    blocks = []
-    for block in _collected(results, a) if "pairs" in results.progress.work else _blocks(results, a):
-        block |= {name: results.numbers[block[name]] for name in ("i", "j")}
-        keep = (block["i"] >= 0) & (block["j"] >= 0)
-        blocks.append({name: column[keep] for name, column in block.items()})
-    if not blocks:
+def _row_groups(results: Results) -> Iterator[pa.Table]:
+    """All scored pairs, ordered by i and j, in tables of about `ROWS`; a single empty one if there are none."""
+    waiting: list[Columns] = []
+    written = rows = 0
+    for piece in _collected(results) if "pairs" in results.progress.work else _scored(results):
+        piece |= {name: results.numbers[piece[name]] for name in ("i", "j")}
+        keep = (piece["i"] >= 0) & (piece["j"] >= 0)
+        waiting.append({name: column[keep] for name, column in piece.items()})
+        rows += int(keep.sum())
+        if rows >= ROWS:
+            yield _table(waiting)
+            written, rows, waiting = written + rows, 0, []
+    if rows or not written:
+        yield _table(waiting)
+
+
+def _table(pieces: Sequence[Columns]) -> pa.Table:
+    if not pieces:
         return SCHEMAS["qcrs"].empty_table()
-    columns = {name: np.concatenate([block[name] for block in blocks]) for name in COLUMNS}
-    # Blocks are ordered by (i, j), and all of one block's j come before the next one's.
-    order = np.argsort(columns["i"], kind="stable")
-    return from_columns(SCHEMAS["qcrs"], **{name: column[order] for name, column in columns.items()})
+    return from_columns(
+        SCHEMAS["qcrs"], **{name: np.concatenate([piece[name] for piece in pieces]) for name in COLUMNS}
+    )
 
 
-def _blocks(results: Results, a: int) -> Iterator[dict[str, Any]]:
-    """The columns of each block in row ``a``; i and j are positions in the collection."""
-    batches = results.progress.batches
-    for item in results.progress.work["qcrs"]:
+def _scored(results: Results) -> Iterator[Columns]:
+    """The columns of all blocks, ordered by i and j, in pieces of about `PIECE` rows; both are positions."""
+    progress = results.progress
+    by_rows: dict[int, list[WorkItem]] = {}
+    for item in progress.work["qcrs"]:
         assert item.block is not None
-        artifact = results.artifact(item) if item.block[0] == a else None
-        if artifact is not None:
-            columns = {name: artifact.arrays[name] for name in COLUMNS}
-            columns["i"] = batches[a].start + columns["i"].astype(np.int64)
-            columns["j"] = batches[item.block[1]].start + columns["j"].astype(np.int64)
-            yield columns
+        by_rows.setdefault(item.block[0], []).append(item)
+    for a, items in sorted(by_rows.items()):
+        columns_of = [progress.of_group(item.block[1]) for item in items if item.block is not None]
+        # Large ones are mapped: of all blocks of a row only the rows in hand are in memory.
+        read = [(group.start, results.artifact(item)) for group, item in zip(columns_of, items, strict=True)]
+        blocks = [(start, artifact.arrays) for start, artifact in read if artifact is not None]
+        for low, high in _spans(sum(map(len, columns_of)), len(progress.of_group(a))):
+            pieces = []
+            for start, arrays in blocks:
+                first, last = np.searchsorted(arrays["i"], [low, high])
+                columns = {name: arrays[name][first:last] for name in COLUMNS}
+                pieces.append({**columns, "j": columns["j"].astype(np.int64) + start})
+            if pieces:
+                joined = {name: np.concatenate([piece[name] for piece in pieces]) for name in COLUMNS}
+                # Blocks are ordered by (i, j), and all of one block's j come before the next one's.
+                order = np.argsort(joined["i"], kind="stable")
+                piece = {name: column[order] for name, column in joined.items()}
+                yield {**piece, "i": piece["i"].astype(np.int64) + progress.of_group(a).start}
 
 
-def _collected(results: Results, a: int) -> Iterator[dict[str, Any]]:
-    """The columns of the collected pairs in row ``a``; i and j are positions in the collection."""
+def _spans(columns: int, rows: int) -> Iterator[tuple[int, int]]:
+    """Spans of ``rows`` with about `PIECE` pairs each, if each has so many ``columns``."""
+    step = max(1, PIECE // max(1, columns))
+    return ((low, min(low + step, rows)) for low in range(0, rows, step))
+
+
+def _collected(results: Results) -> Iterator[Columns]:
+    """The columns of the collected pairs, ordered, in pieces; i and j are positions in the collection."""
     for item in results.progress.work["pairs"]:
         artifact = results.artifact(item)
         if artifact is not None:
-            batch = results.progress.batches[a]
-            low, high = np.searchsorted(artifact.arrays["i"], [batch.start, batch.stop])
-            yield {name: artifact.arrays[name][low:high] for name in COLUMNS}
+            for low in range(0, len(artifact.arrays["i"]), PIECE):
+                yield {name: artifact.arrays[name][low : low + PIECE] for name in COLUMNS}

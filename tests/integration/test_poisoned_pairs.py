@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import product
@@ -14,9 +15,11 @@ import pytest
 from small_runs import CLEAN, WITH_ERRORS, digests, pictures, table
 
 import pipeline.cache
+import pipeline.plan.batches
 import pipeline.runtime.quarantine
 import pipeline.runtime.worker
 import pipeline.stages.shards
+import riot.scores.qcrs
 from pipeline.config.build import make_config
 from pipeline.config.schema import Config
 from pipeline.flow import RunOutcome, run_pipeline
@@ -24,6 +27,7 @@ from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import Reference
 from pipeline.runtime.events import Event, Note
 from pipeline.stages.all import BY_NAME, checked_stage
+from pipeline.stages.block_rows import ReusingBlock
 from pipeline.stages.shape_arrays import count_shapes
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
@@ -121,8 +125,8 @@ def numbers(stack: Any, areas: dict[float, int]) -> list[int]:
 
 def pairs_of(inputs: Sequence[Any], spec: Any, areas: dict[float, int]) -> set[tuple[int, int]]:
     """Shape numbers of the pairs that work of stage qcrs scores."""
-    stacks = list(inputs)
-    first, second = numbers(stacks[0], areas), numbers(stacks[-1], areas)
+    sides = spec.whole if isinstance(spec, SubBlock) else spec.sides if isinstance(spec, ReusingBlock) else spec
+    first, second = ([shape for k in side for shape in numbers(inputs[k], areas)] for side in sides.numbers)
     if isinstance(spec, SubBlock):
         return {(first[i], second[j]) for i, j in spec.pairs()}
     return {(p, q) for p, q in product(first, second) if p < q}
@@ -143,7 +147,7 @@ def tidied(where: Path) -> bool:
 
 def scores(where: Path) -> pd.DataFrame:
     frame = pq.read_table(where / "outputs" / "folder" / "qcrs").to_pandas()
-    return frame.drop(columns="i_block").set_index(["i", "j"])
+    return frame.set_index(["i", "j"])
 
 
 LOST = {"score": float("nan"), "n": -1, "trunk_i": -1, "trunk_j": -1, "shift": -1}
@@ -182,6 +186,32 @@ def test_only_deadly_pairs_are_lost(
     assert planted.mine(tmp_path, poison).code == WITH_ERRORS and planted.begun == []
     assert planted.mine(tmp_path).code == CLEAN and set(planted.begun) == {"qcrs", "select"}
     assert digests(tmp_path) == wanted
+
+
+def test_blocks_of_larger_groups_give_the_same_bytes_and_use_what_is_there(
+    planted: Planted, clean: Path, areas: dict[float, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(clean / "store", tmp_path / "store")
+    monkeypatch.setattr(pipeline.plan.batches, "LEAST_GROUPS", 1)
+    scored: list[int] = []
+    score_block = riot.scores.qcrs.score_block
+    monkeypatch.setattr(
+        riot.scores.qcrs, "score_block", lambda *some, **more: scored.append(1) or score_block(*some, **more)
+    )
+    assert planted.mine(tmp_path).code == CLEAN and set(planted.begun) == {"qcrs", "select"} and scored == []
+    assert scores(tmp_path).equals(scores(clean))
+    # From nothing, and with deadly pairs in a block of several batches.
+    for poisoned in ((), ((0, 4), (1, 5))):
+
+        def poison(stage: str, inputs: Sequence[Any], spec: Any, chosen: Any = frozenset(poisoned)) -> bool:
+            return stage == "qcrs" and not chosen.isdisjoint(pairs_of(inputs, spec, areas))
+
+        where = tmp_path / f"{len(poisoned)}"
+        assert planted.mine(where, poison).code == (WITH_ERRORS if poisoned else CLEAN)
+        expected = scores(clean)
+        for pair in poisoned:
+            expected.loc[pair, list(LOST)] = list(LOST.values())
+        pd.testing.assert_frame_equal(scores(where), expected.astype(scores(clean).dtypes), check_exact=True)
 
 
 def test_a_block_that_fails_only_as_a_whole_is_done_in_parts(

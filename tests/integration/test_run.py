@@ -47,7 +47,7 @@ from riot import Transform
 def test_tables_are_whole_and_documented(finished: Path) -> None:
     folder = finished / "outputs" / "folder"
     for name, schema in SCHEMAS.items():
-        path = folder / name / "i_block=0000" / "part-0.parquet" if name == "qcrs" else folder / f"{name}.parquet"
+        path = folder / name / "part-0000.parquet" if name == "qcrs" else folder / f"{name}.parquet"
         assert pq.read_schema(path).equals(schema, check_metadata=True)
         assert all(field.metadata[b"meaning"] for field in schema)
     shapes = table(finished, "shapes")

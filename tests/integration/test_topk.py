@@ -78,7 +78,7 @@ def mine(config: Config) -> Pairs:
 
     outcome = run_pipeline(config, listen)
     assert outcome.code == CLEAN, outcome.results.errors
-    table = pq.read_table(outcome.folder / "qcrs").to_pandas().drop(columns="i_block").reset_index(drop=True)
+    table = pq.read_table(outcome.folder / "qcrs").to_pandas().reset_index(drop=True)
     files = sorted((outcome.folder / "qcrs").rglob("*.parquet"))
     selected = pq.read_table(outcome.folder / "selected.parquet").to_pandas()
     return Pairs(table, read_search(pq.read_schema(files[0]).metadata), selected, ended)
@@ -196,7 +196,7 @@ def test_the_output_names_the_mode_and_what_it_leaves_out(root: Path, tmp_path: 
     done = run_here(tmp_path / "one", root, *TOPK, "cluster=sync")
     assert done.returncode == CLEAN, done.stdout + done.stderr
     assert {"shards", "partners", "pairs"} <= stages(tmp_path / "one").keys() and "qcrs" not in stages(tmp_path / "one")
-    search = read_search(pq.read_schema(next((tmp_path / "one").rglob("qcrs/*/*.parquet"))).metadata)
+    search = read_search(pq.read_schema(next((tmp_path / "one").rglob("qcrs/*.parquet"))).metadata)
     assert search is not None
     for text in (done.stdout, (tmp_path / "one" / "outputs" / "folder" / "report.html").read_text(encoding="utf-8")):
         assert f"with another {search.compared:,} were made" in text and f"of {search.pairs:,} pairs kept" in text

@@ -5,14 +5,14 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.plan.sub_block import SubBlock
+from pipeline.plan.sub_block import Sides, SubBlock
 
 sizes = st.integers(0, 9)
 
 
 @given(st.booleans(), sizes, sizes)
 def test_halves_hold_every_pair_once(same: bool, rows: int, columns: int) -> None:
-    whole = SubBlock(same, (0, rows), (0, rows if same else columns))
+    whole = SubBlock(Sides(1, 0 if same else 1), (0, rows), (0, rows if same else columns))
     pairs = list(whole.pairs())
     expected = [(i, j) for i in range(rows) for j in range(rows if same else columns) if i < j or not same]
     assert pairs == expected
