@@ -62,6 +62,13 @@ class Progress:
         group = self.groups[number]
         return range(self.batches[group.start].start, self.batches[group.stop - 1].stop)
 
+    def members(self, item: WorkItem) -> Sequence[int]:
+        """The positions that a work item concerns; those of a block between groups, which are many, are in no item."""
+        if item.members or item.block is None:
+            return item.members
+        a, b = (self.of_group(number) for number in item.block)
+        return a if a == b else [*a, *b]
+
     def locate(self, position: int) -> tuple[int, int]:
         """(batch, index within it) of an item; raises LookupError for a position that no item has."""
         if not 0 <= position < len(self.items):

@@ -22,7 +22,8 @@ class WorkItem:
     """A piece of work that makes an artifact.
 
     ``sources`` are the artifacts that it reads; ``spec`` is the third argument of its stage's ``run``. ``members`` are
-    the positions of the collection's items that it concerns: all of a batch, two of a pair. ``block`` numbers the two
+    the positions of the collection's items that it concerns: all of a batch, two of a pair, none of a block
+    between groups (`Progress.members` has them). ``block`` numbers the two
     groups, or the batch and the shard, between which it lies; ``pairs`` is how many pairs of shapes lie there.
     """
 

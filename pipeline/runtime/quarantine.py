@@ -194,7 +194,7 @@ def _joined(
         joined.append(item)
         lost += [trial.item for trial, _ in pieces.lost]
     if lost:
-        run.listen(Note(f"set aside: {', '.join(_names(progress, item.members) for item in lost)}"))
+        run.listen(Note(f"set aside: {', '.join(_names(progress, progress.members(item)) for item in lost)}"))
     return joined, lost
 
 

@@ -21,19 +21,18 @@ def between_groups(progress: Progress, stage: str) -> list[WorkItem]:
     """A work item for every two groups of batches of trunks, and each with itself; ``spec`` has its `Sides`."""
     recipe, trunks = progress.recipes[stage], progress.work["trunks"]
     batches = [[trunks[number] for number in group] for group in progress.groups]
-    members = [tuple(progress.of_group(number)) for number in range(len(batches))]
+    sizes = [len(progress.of_group(number)) for number in range(len(batches))]
     blocks = []
     for a, rows in enumerate(batches):
         for b in range(a, len(batches)):
             columns = [] if a == b else batches[b]
             both, sides = [*rows, *columns], Sides(len(rows), len(columns))
-            m, n = len(members[a]), len(members[b])
+            m, n = sizes[a], sizes[b]
             blocks.append(
                 recipe.item(
                     recipe.parts([item.key for item in both], sides),
                     [item.reference for item in both],
                     spec=sides,
-                    members=members[a] if a == b else members[a] + members[b],
                     block=(a, b),
                     pairs=m * (m - 1) // 2 if a == b else m * n,
                 )

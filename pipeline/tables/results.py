@@ -153,7 +153,7 @@ class Results:
         failure = self.failed.get(item.reference)
         if failure is not None:
             message = failure.message  # an error of the system names the file with its whole path
-            for position in item.members:
+            for position in self.progress.members(item):
                 collection_item = self.progress.items[position]
                 message = message.replace(collection_item.source, collection_item.shown_source)
             for name in self._names(item):
@@ -170,7 +170,7 @@ class Results:
             yield _error(name, stage, item.key, row["type"], row["reason"], message, 1)
 
     def _names(self, item: WorkItem) -> list[str]:
-        names = [self.progress.items[position].name for position in item.members]
+        names = [self.progress.items[position].name for position in self.progress.members(item)]
         of_pair = BY_NAME[item.stage].scope == "pair" or (item.stage == "qcrs" and len(names) == 2)
         return [" × ".join(names)] if of_pair else names or [f"({item.stage})"]
 

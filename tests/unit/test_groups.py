@@ -62,6 +62,8 @@ def test_blocks_between_groups_hold_every_pair_once(tmp_path: Path, count: int) 
     ]
     assert sorted(pairs) == [(i, j) for i in range(count) for j in range(i + 1, count)]
     assert sum(block.pairs for block in blocks) == len(pairs)
+    assert not blocks or set(progress.members(blocks[-1])) == set(progress.of_group(len(progress.groups) - 1))
+    assert all(len(set(progress.members(block))) == len(progress.members(block)) for block in blocks)
     assert len({block.key for block in blocks}) == len(blocks)
     if count == 200:
         assert len(progress.groups) < len(progress.batches) / 3
