@@ -49,7 +49,9 @@ bench: setup
 	$(BIN)/python benchmarks/run.py
 
 # The guide: build/site/index.html. Its search needs a server: python -m http.server --directory build/site
+# Pictures of the studio come from its tests, where there is a Chromium.
 docs: setup
+	$(BIN)/python -m pytest -m system -k fits_its_screen --pictures build/studio tests/integration/test_studio_pages.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
 
 clean:

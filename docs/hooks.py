@@ -11,6 +11,7 @@ import re
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,8 @@ from riot.draw import animate_svg, draw_strip
 
 ROOT = Path(__file__).resolve().parents[1]
 HELP_WIDTH = 80
+STUDIO = ROOT / "build" / "studio"
+"""Pictures of the studio's steps, which its tests in a browser leave there (`make docs`)."""
 NOTEBOOK = "tutorial/notebook"
 """Of the guide: a page without suffix, in the repository without outputs."""
 
@@ -40,6 +43,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pictures, which pages name as ``pictures/…``, the notebook as a page, and the page for contributors."""
     for name, text in _pictures():
         files.append(File.generated(config, f"pictures/{name}", content=text))
+    for picture in _studio_pictures():
+        files.append(File.generated(config, f"pictures/{picture.name}", content=picture.read_bytes()))
     files.append(File.generated(config, f"{NOTEBOOK}.md", content=notebook_page(ROOT / "docs" / f"{NOTEBOOK}.ipynb")))
     contributing = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").replace("](docs/", "](")
     files.append(File.generated(config, "contributing.md", content=contributing))
@@ -65,6 +70,16 @@ def _pictures() -> Iterator[tuple[str, str]]:
             path = Path(folder, name)
             draw(path)
             yield name, path.read_text(encoding="utf-8")
+
+
+def _studio_pictures() -> list[Path]:
+    return sorted(STUDIO.glob("*-desktop-light.png"))
+
+
+def _studio_picture(step: str) -> Iterator[str]:
+    """The picture of a step, if there is a browser on this machine that made it."""
+    if (STUDIO / f"{step}-desktop-light.png").exists():
+        yield f"![The step {step.capitalize()} of the studio](../pictures/{step}-desktop-light.png)"
 
 
 def _commands() -> Iterator[str]:
@@ -145,5 +160,5 @@ GENERATED: dict[str, Callable[[], Iterator[str]]] = {
     "studies": _studies,
     "folders": _folders,
     "layers": _layers,
-}
+} | {f"studio {step}": partial(_studio_picture, step) for step in ("start", "look", "choose", "edit", "make")}
 """Each text that pages may ask for, by the name in its marker."""

@@ -92,9 +92,8 @@ def step(page: Any, name: str) -> None:
 
 def downloaded(page: Any) -> Transform:
     """What a person would have as a file now."""
-    step(page, "make")
-    href = page.locator("#files a", has_text=".riot").get_attribute("href")
-    return from_json(page.request.get(f"{page.url.split('/?')[0].split('/#')[0]}{href}").text())
+    address = page.evaluate("`/api/sessions/${new URLSearchParams(location.search).get('session')}/download/riot`")
+    return from_json(page.request.get(page.evaluate("location.origin") + address).text())
 
 
 def on_outline(page: Any, view: str, share: float) -> tuple[float, float]:

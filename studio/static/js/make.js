@@ -20,12 +20,10 @@ let viewer = null;
 /** @type {Made | null} */
 let made = null;
 let request = 0;
+let tried = '';
 
-export function beginMake() {
-  void fillSettings(/** @type {HTMLFormElement} */ (find('#settings')), (settings, fix) => {
-    request = ask({type: 'make', settings, fix});
-    if (request) change({busy: 'Building the parts…', problem: null});
-  });
+export async function beginMake() {
+  const form = /** @type {HTMLFormElement} */ (find('#settings'));
   hear('made', message => {
     made = message;
     change({busy: '', problem: null});
@@ -36,8 +34,29 @@ export function beginMake() {
     complain(words);
     find('#findings').replaceChildren(finding({severity: 'failure', piece: null, words, parameter, value}));
   });
-  watch(['scene'], files);
+  await fillSettings(form, (settings, fix) => {
+    request = ask({type: 'make', settings, fix});
+    if (request) change({busy: 'Building the parts…', problem: null});
+  });
+  watch(['scene', 'step', 'connected'], () => renew(form));
+  renew(form);
+}
+
+/**
+ * Build what is shown, once, as soon as somebody looks: parts of another transform are no use.
+ * @param {HTMLFormElement} form
+ */
+function renew(form) {
   files();
+  const {scene, step, draft, connected} = state;
+  if (step !== 'make' || !scene || draft || !connected || scene.id === tried || scene.id === made?.transform) return;
+  tried = scene.id;
+  made = null;
+  viewer?.clear();
+  viewer?.draw();
+  for (const list of ['.labels', '#parts']) find(list).replaceChildren();
+  find('#findings').replaceChildren(html('li', {class: 'note'}, 'Nothing is built yet.'));
+  form.requestSubmit();
 }
 
 /**
@@ -156,8 +175,11 @@ function label() {
 }
 
 function files() {
-  const link = (/** @type {readonly [string, string]} */ [kind, words]) => html('a', {class: 'button', href: `${base()}/download/${kind}${made ? `?make=${encodeURIComponent(made.key)}` : ''}`, download: true}, words);
-  find('#files').replaceChildren(...DRAWN.map(link), ...(made ? BUILT.map(link) : []));
+  const built = made?.transform === state.scene?.id ? made : null;
+  const query = built ? `?make=${encodeURIComponent(built.key)}` : '';
+  const link = (/** @type {readonly [string, string]} */ [kind, words]) =>
+    html('a', {class: 'button', href: `${base()}/download/${kind}${query}`, download: true}, words);
+  find('#files').replaceChildren(...DRAWN.map(link), ...(built ? BUILT.map(link) : []));
 }
 
 /** @param {string} hex */

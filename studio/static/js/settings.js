@@ -11,7 +11,7 @@ const FIRST = ['size_mm', 'thickness_mm', 'hinge', 'pin_mm', 'clearance_mm', 'ga
 /** @typedef {Record<string, number | boolean | string>} Values */
 
 /**
- * Fill the form; `build` gets the values of all settings.
+ * Fill the form; `build` gets the values of all settings when it is sent.
  * @param {HTMLFormElement} form
  * @param {(settings: Values, fix: boolean) => void} build
  */

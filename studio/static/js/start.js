@@ -106,7 +106,7 @@ function slot(side) {
     show();
     dispatchEvent(new Event('studio-active'));
   });
-  box.append(picture, name, html('div', {class: 'choices'}, button, pick), bad);
+  box.append(picture, name, html('span', {class: 'note hint'}, 'Drop a picture here, or'), html('div', {class: 'choices'}, button, pick), bad);
   return {box, figure: new Figure(picture, {side}), name, bad, pick};
 }
 

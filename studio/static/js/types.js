@@ -101,6 +101,7 @@
  * @property {string} url
  *
  * @typedef {object} Made
+ * @property {string} transform
  * @property {string} key
  * @property {boolean} passed
  * @property {string[]} changes
