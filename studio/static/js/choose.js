@@ -10,11 +10,19 @@ const RANGES = /** @type {const} */ ([[null, null], [3, 3], [4, 4], [5, 5], [6, 
 
 let request = 0;
 let asked = '';
+/** Whether some are to come still; when one goes on to another step that has the machine for itself. */
+let running = false;
 /** @type {Map<string, {button: HTMLButtonElement, worth: number}>} */
 const cards = new Map();
 
 export function beginChoose() {
   watch(['session', 'step', 'connected'], update);
+  watch(['step'], () => {
+    if (state.step === 'choose' || !running) return;
+    running = false;
+    asked = '';
+    ask({type: 'stop'});
+  });
   watch(['session', 'scene'], () => {
     press();
     dials();
@@ -24,7 +32,9 @@ export function beginChoose() {
     if (seq === request) find('#choose-note').textContent = of ? `${words} (${done} of ${of})` : `${words}…`;
   });
   hear('alternatives_end', ({seq, count, words}) => {
-    if (seq === request) find('#choose-note').textContent = words || (count ? `${count} ways, best first.` : 'There is no other way.');
+    if (seq !== request) return;
+    running = false;
+    find('#choose-note').textContent = words || (count ? `${count} ways, best first.` : 'There is no other way.');
   });
   const weight = /** @type {HTMLInputElement} */ (find('#weight')), unbent = /** @type {HTMLInputElement} */ (find('#unbent'));
   const value = () => Number((10 ** weight.valueAsNumber).toPrecision(3));
@@ -53,6 +63,7 @@ function update() {
   request = ask({type: 'alternatives'});
   if (!request) return;
   asked = key;
+  running = true;
   cards.clear();
   find('#alternatives').replaceChildren();
   find('#choose-note').textContent = 'Looking for other ways…';

@@ -102,6 +102,8 @@ export class Figure {
         : [...piece.outline.slice(2 * piece.lower - 2), 0, 0];
       if (this.side) group.append(svg('path', {class: 'cut', d: pathOf(cut, false)}));
       group.append(svg('path', {class: 'edge', d: `M0 0H${piece.length}`}), svg('path', {class: 'hinge', d: 'M0 0h0'}));
+      // Where the chain is open there is no hinge: a ring.
+      if (!this.side && k === this.scene?.motion.open) group.append(svg('path', {class: 'gap', d: 'M0 0h0'}));
     }
     return group;
   }

@@ -28,6 +28,8 @@ function route() {
   find('#make').hidden = step !== 'make';
   for (const name of STAGED) find(`#${name}`).hidden = name !== step;
   if (step !== state.step) scrollTo(0, 0);
+  // What had the focus may be hidden now.
+  if (document.activeElement?.closest('[hidden]')) find('#main').focus({preventScroll: true});
   change({step});
   marks();
   if (step === 'make' && !making) {

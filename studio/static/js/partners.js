@@ -12,6 +12,8 @@ import {thumbnail} from './thumbnail.js';
 const cards = new Map();
 let request = 0;
 let asked = '';
+/** Whether pictures are to come still; when one goes on they are not needed. */
+let running = false;
 
 /** @param {{take: (number: number, side: Side) => void, active: () => Side}} options */
 export function beginPartners({take, active}) {
@@ -25,12 +27,20 @@ export function beginPartners({take, active}) {
     request = ask({type: 'partners', ...wanted});
     if (!request) return;
     asked = key;
+    running = true;
     cards.clear();
     list.replaceChildren();
     note.textContent = `Looking for what goes well with ${input.name}…`;
     panel.hidden = false;
   };
   watch(['session', 'step', 'connected'], update);
+  watch(['step'], () => {
+    if (state.step === 'start' || !running) return;
+    running = false;
+    asked = '';
+    ask({type: 'stop'});
+  });
+  hear('partners_end', ({seq}) => { if (seq === request) running = false; });
   addEventListener('studio-active', update);
   hear('partners', ({seq, partners}) => {
     if (seq !== request) return;

@@ -71,6 +71,9 @@ async function upload(file, side) {
       complain(side, `${file.name}: ${words}`);
     } else {
       chosen = null;
+      const {doubts = []} = await answer.json();
+      slots[side].bad.textContent = doubts.join(' ');
+      if (doubts.length) say(doubts.join(' '));
       if (state.busy.startsWith('Reading')) change({busy: ''});
     }
   } catch {
@@ -145,7 +148,6 @@ function show() {
   for (const side of SIDES) {
     const input = session?.[side] ?? null, {box, figure, name, pick, bad} = slots[side];
     figure.showInput(input);
-    if (input) bad.textContent = '';
     figure.root.setAttribute('aria-label', `${NAMES[side]}: ${input ? input.name : 'none yet'}`);
     name.textContent = input ? input.name : NAMES[side];
     box.classList.toggle('filled', Boolean(input));
