@@ -55,10 +55,15 @@ def test_from_two_pictures_to_parts(fresh: Any, files: tuple[Path, Path]) -> Non
     transform = downloaded(page)
     assert certify(transform).passed and transform.plan is not None
 
+    step(page, "make")
+    page.locator("#findings b").wait_for()  # it is built as soon as one looks
+    page.locator("#settings [name=size_mm]").fill("90")
     page.click("#settings .primary")
-    page.locator("#findings", has_text=re.compile("holds|does not hold")).wait_for()
+    page.locator("#findings b", has_text=re.compile("holds|does not hold")).wait_for()
     page.locator(".labels li").nth(len(transform) - 1).wait_for()
     assert page.locator("#parts li", has_text="piece").count() == len(transform)
+    sizes = [float(size) for size in re.findall(r"([\d.]+) ×", page.inner_text("#parts"))]
+    assert sizes and max(sizes) < 100.0
     answer = page.request.get(page.locator("#files a", has_text="zip").evaluate("link => link.href"))
     assert answer.ok and answer.body()[:2] == b"PK"
 

@@ -157,7 +157,6 @@ def see(page: Any, name: str) -> None:
     if name == "choose":
         page.locator("#choose-note", has_text="best first").wait_for()
     if name == "make":
-        page.click("#settings .primary")
         page.locator(".labels li").first.wait_for()
 
 

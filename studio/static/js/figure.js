@@ -10,6 +10,13 @@ import {set, svg} from './dom.js';
 const FRAMES = [0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1];
 const MARGIN = 0.08;
 const LIFTED = 0.02;
+const RING = 0.09;
+
+/**
+ * @param {number} x
+ * @param {number} y
+ */
+const ring = (x, y) => `M${x - RING} ${y}a${RING} ${RING} 0 1 0 ${2 * RING} 0a${RING} ${RING} 0 1 0 ${-2 * RING} 0`;
 
 export class Figure {
   /**
@@ -112,9 +119,11 @@ export class Figure {
   #surround(shape) {
     this.under.replaceChildren(svg('path', {class: 'silhouette', d: pathOf(shape.input, true)}));
     if (this.plain) return;
+    const {lost} = shape.fidelity, rings = [];
+    for (let k = 0; k < lost.length; k += 2) rings.push(svg('path', {class: 'lost', d: ring(lost[k], lost[k + 1])}));
     this.over.replaceChildren(
       svg('path', shape.bent ? {class: 'bent', d: pathOf(shape.bent, true)} : {class: 'ghost', d: pathOf(shape.input, true)}),
-      svg('path', {class: 'trunk', d: pathOf(shape.trunk, true)}),
+      ...rings, svg('path', {class: 'trunk', d: pathOf(shape.trunk, true)}),
     );
   }
 

@@ -139,8 +139,13 @@ async function begin() {
   route();
   const chosen = new URLSearchParams(location.search).get('session');
   const id = chosen ?? (await json('/api/sessions'))?.current ?? (await json('/api/sessions', {method: 'POST'}))?.id;
-  if (id) connect(id);
-  else status();
+  if (!id) {
+    status();
+    return;
+  }
+  // So that the page loaded again is the same piece of work.
+  window.history.replaceState(null, '', `/?session=${encodeURIComponent(id)}${location.hash}`);
+  connect(id);
 }
 
 void begin();

@@ -35,6 +35,7 @@ export async function beginMake() {
     find('#findings').replaceChildren(finding({severity: 'failure', piece: null, words, parameter, value}));
   });
   await fillSettings(form, (settings, fix) => {
+    clear();
     request = ask({type: 'make', settings, fix});
     if (request) change({busy: 'Building the parts…', problem: null});
   });
@@ -51,12 +52,17 @@ function renew(form) {
   const {scene, step, draft, connected} = state;
   if (step !== 'make' || !scene || draft || !connected || scene.id === tried || scene.id === made?.transform) return;
   tried = scene.id;
+  form.requestSubmit();
+}
+
+/** Take away what was built before. */
+function clear() {
   made = null;
   viewer?.clear();
   viewer?.draw();
   for (const list of ['.labels', '#parts']) find(list).replaceChildren();
   find('#findings').replaceChildren(html('li', {class: 'note'}, 'Nothing is built yet.'));
-  form.requestSubmit();
+  files();
 }
 
 /**

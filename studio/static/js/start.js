@@ -51,6 +51,7 @@ export function beginStart() {
  */
 export async function take(number, side = active()) {
   waiting = true;
+  slots[side].bad.textContent = '';
   const answer = await fetch(`${base()}/shape/${side}/${number}`, {method: 'POST'});
   if (!answer.ok) complain(side, 'The collection has no such shape.');
 }
@@ -146,7 +147,7 @@ function drops() {
 function show() {
   const {session} = state;
   for (const side of SIDES) {
-    const input = session?.[side] ?? null, {box, figure, name, pick, bad} = slots[side];
+    const input = session?.[side] ?? null, {box, figure, name, pick} = slots[side];
     figure.showInput(input);
     figure.root.setAttribute('aria-label', `${NAMES[side]}: ${input ? input.name : 'none yet'}`);
     name.textContent = input ? input.name : NAMES[side];

@@ -23,7 +23,7 @@
  * @property {number[][]} middles
  * @property {number[][]} levels
  *
- * @typedef {{iou: number, strain: number, lost: number[], words: string}} Fidelity
+ * @typedef {{iou: number, strain: number, lost: Flat, words: string}} Fidelity `lost`: middles of limbs, on the bent input
  * @typedef {{url: string, matrix: number[]}} Texture
  *
  * @typedef {object} ShapeScene
