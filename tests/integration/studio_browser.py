@@ -67,10 +67,17 @@ def open_page(browser: Any) -> Iterator[Callable[..., Any]]:
 def fresh(open_page: Callable[..., Any], served: StudioProcess) -> Any:
     """A page with a new piece of work."""
     page = open_page(served.address)
-    with page.expect_navigation():
-        page.click("#new")
-    page.locator("#saved", has_text="Saved").wait_for()
+    begin(page)
     return page
+
+
+def begin(page: Any) -> None:
+    """Begin a new piece of work."""
+    page.locator("#saved", has_text="Saved").wait_for()
+    before = page.url
+    page.click("#new")
+    page.wait_for_url(lambda address: address != before)
+    page.locator("#saved", has_text="Saved").wait_for()
 
 
 def give_both(page: Any, files: tuple[Path, Path]) -> None:

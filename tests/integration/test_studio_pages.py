@@ -10,7 +10,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from studio_browser import P, browser, downloaded, exact, files, fresh, give_both, on_outline, open_page, served, step
+from studio_browser import (
+    P,
+    begin,
+    browser,
+    downloaded,
+    exact,
+    files,
+    fresh,
+    give_both,
+    on_outline,
+    open_page,
+    served,
+    step,
+)
 from studio_process import HOUSE, StudioProcess, studio
 
 from riot.transform.certificate import certify
@@ -127,9 +140,7 @@ def at_work(browser: Any, served: StudioProcess, files: tuple[Path, Path]) -> st
     context.set_default_timeout(100_000)
     page = context.new_page()
     page.goto(served.address)
-    with page.expect_navigation():
-        page.click("#new")
-    page.locator("#saved", has_text="Saved").wait_for()
+    begin(page)
     give_both(page, files)
     step(page, "edit")
     page.get_by_label("Keep", exact=True).check()
