@@ -52,6 +52,7 @@ def test_from_two_pictures_to_parts(fresh: Any, files: tuple[Path, Path]) -> Non
     page.mouse.click(*on_outline(page, P, 0.3))
     page.locator("#pins", has_text="kept point on house").wait_for()
     exact(page)
+    page.locator("#certificate", has_text=re.compile("swings|needs")).wait_for()  # how it moves is planned after
     transform = downloaded(page)
     assert certify(transform).passed and transform.plan is not None
 
