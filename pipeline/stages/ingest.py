@@ -15,7 +15,8 @@ from pipeline.datasets.item import SAMPLE_PREFIX, SOURCE, Item
 from pipeline.datasets.reading import open_item
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages import qualities
+from pipeline.stages import quality_columns
+from pipeline.stages.qualities import pack_qualities
 from pipeline.stages.shape_arrays import ErrorRow, attempt, pack_shapes
 from pipeline.stages.stage import Column, Stage, TableColumns
 from pipeline.store.artifact import Artifact
@@ -36,7 +37,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Sequence[It
     ]
     for row in errors:
         row["message"] = _without_path(row["message"], str(spec[row["index"]].source))
-    return Artifact({**pack_shapes(shapes), **qualities.pack_qualities(shapes)}, {"errors": errors})
+    return Artifact({**pack_shapes(shapes), **pack_qualities(shapes)}, {"errors": errors})
 
 
 def _without_path(message: str, source: str) -> str:
@@ -78,7 +79,7 @@ def _outlines(artifact: Artifact) -> Mapping[str, Any]:
         "width": [float(width) for width, _ in extents],
         "height": [float(height) for _, height in extents],
         "outline": [geometry.wkb.outline_wkb(np.asarray(points)) if len(points) else None for points in outlines],
-        **qualities.columns(artifact),
+        **quality_columns.columns(artifact),
     }
 
 
@@ -101,7 +102,7 @@ STAGE = Stage(
                 Column("width", "float64", "extent in x", "unit-area frame"),
                 Column("height", "float64", "extent in y", "unit-area frame"),
                 Column("outline", "polygon", "the outline, centroid at the origin, as WKB", "unit-area frame"),
-                *qualities.COLUMNS,
+                *quality_columns.COLUMNS,
             ),
             _outlines,
         ),

@@ -1,14 +1,11 @@
-"""How well the shapes of a batch were read, as arrays of the artifacts of ingest, and as columns of `shapes`."""
+"""How well the shapes of a batch were read, as arrays of the artifacts of ingest."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
-from pipeline.stages.stage import Column
 from pipeline.store.artifact import AnyArray, Artifact
 from riot import geometry
 from riot.geometry.quality import ReadingQuality
@@ -17,18 +14,6 @@ from riot.types import BoolArray
 
 NUMBERS = ("kept", "covered", "separation", "roughness", "changed")
 COUNTS = ("sides", "dropped")
-
-COLUMNS = (
-    Column("kept", "float64", "share of the object's area that is in the shape, its largest part", "1"),
-    Column("covered", "float64", "share of the page that it covers; null = no page, as of polygons", "1"),
-    Column("sides", "int32", "sides of the page that it touches, 0 to 4", "count"),
-    Column("separation", "float64", "Otsu's criterion: how clearly object and page separate; null = no picture", "1"),
-    Column("dropped", "int32", "parts that do not touch it and were dropped, specks apart", "count"),
-    Column("roughness", "float64", "how much longer the traced outline is than its corners joined, less 1", "1"),
-    Column("changed", "float64", "share of the area that the repair of a self-crossing outline changed", "1"),
-    Column("remarks", "string", "what else was done to find the object, empty = nothing"),
-    Column("doubts", "string", "why a person should look at the outline, empty = no reason"),
-)
 
 
 def pack_qualities(shapes: Sequence[Shape | None]) -> dict[str, AnyArray]:
@@ -63,20 +48,6 @@ def doubtful(artifacts: Mapping[int, Artifact], count: int) -> BoolArray:
         of_batch = artifact.arrays["quality_doubtful"]
         mask[start : start + len(of_batch)] = of_batch
     return mask
-
-
-def columns(artifact: Artifact) -> Mapping[str, Any]:
-    """`COLUMNS` of a batch."""
-    known = qualities(artifact)
-    return {
-        **{name: [_null(getattr(of, name)) for of in known] for name in (*NUMBERS, *COUNTS)},
-        "remarks": ["; ".join(of.remarks) for of in known],
-        "doubts": ["; ".join(of.doubts) for of in known],
-    }
-
-
-def _null(value: float) -> float | None:
-    return None if math.isnan(value) else value
 
 
 def _remarks(bits: int) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ def opacity_separates(image: Image.Image) -> bool:
     page, or leaves specks on it, that does.
 
     >>> page = Image.new("RGBA", (20, 20), (255, 255, 255, 255))
+    >>> page.paste((0, 0, 0, 255), (5, 5, 15, 15))
     >>> page.putpixel((3, 3), (255, 255, 255, 254))
     >>> opacity_separates(page)
     False

@@ -17,7 +17,8 @@ from PIL import Image
 from pipeline.config.build import make_config
 from pipeline.config.schema import SelectConfig
 from pipeline.stages.all import BY_NAME
-from pipeline.stages.qualities import columns, pack_qualities, qualities
+from pipeline.stages.qualities import pack_qualities, qualities
+from pipeline.stages.quality_columns import columns
 from pipeline.stages.select import Selecting, run
 from pipeline.stages.wishes import WishedShapes
 from pipeline.store.artifact import Artifact
