@@ -22,7 +22,7 @@ from pipeline.datasets import sample
 
 pytestmark = [pytest.mark.system, pytest.mark.timeout(900)]  # packages are installed, and the kernels compiled, once
 
-SOURCES = ("riot", "pipeline", "conf")
+SOURCES = ("riot", "pipeline", "studio", "conf")
 FILES = ("pyproject.toml", "setup.py", "README.md", "LICENSE")
 
 PAIR = ("pair00-a", "pair00-b")
@@ -92,7 +92,7 @@ def test_the_wheel_has_every_file_of_the_packages_and_of_conf(wheel: Path) -> No
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
     expected = {
         str(path.relative_to(ROOT))
-        for package in ("riot", "pipeline")
+        for package in ("riot", "pipeline", "studio")
         for path in (ROOT / package).rglob("*")
         if path.is_file() and "__pycache__" not in path.parts and path.suffix != ".md"
     }
