@@ -9,7 +9,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -156,4 +156,5 @@ def _one(task: tuple[int, Job]) -> int:
 def _stored_equal(plan: Progress, root: Path, job: Job, scores: BlockScores) -> bool:
     (item,) = (item for item in plan.work["qcrs"] if item.block == job)
     stored = Store(root).get(*item.reference).arrays
-    return all(np.array_equal(array, getattr(scores, name)) for name, array in stored.items())
+    columns = (field.name for field in fields(BlockScores))
+    return all(np.array_equal(stored[name], getattr(scores, name)) for name in columns if name in stored)

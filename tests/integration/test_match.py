@@ -219,7 +219,7 @@ def test_slices_look_for_the_same_partners(mined: Path, tmp_path: Path) -> None:
 
 
 def test_slices_become_shapes_of_a_run(mined: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    solid = manifold3d.Manifold.cylinder(40.0, 30.0, 24.0, 40).scale((1.3, 1.0, 1.0)).to_mesh64()
+    solid = manifold3d.Manifold.cylinder(40.0, 45.0, 36.0, 40).scale((1.3, 1.0, 1.0)).to_mesh64()
     trimesh.Trimesh(solid.vert_properties[:, :3], solid.tri_verts.astype(np.int64)).export(tmp_path / "bowl.stl")
     arguments = ["slices", str(tmp_path / "bowl.stl"), "--count", "2", "--thickness", "20", "-o", str(tmp_path / "set")]
     assert main([*arguments, "--in", str(mined / "outputs" / "folder"), "--candidates", "2"]) == FOUND

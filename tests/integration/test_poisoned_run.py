@@ -105,7 +105,11 @@ def test_what_is_deadly_is_lost_alone(clean: Path, tmp_path: Path) -> None:
     got, expected = digests(tmp_path), digests(clean)
     assert got.keys() == expected.keys()
     differ = {name for name in got if got[name] != expected[name]}
-    assert {name for name in differ if not name.startswith("qcrs/")} == {"artifacts.json", "errors.parquet"}
+    assert {name for name in differ if not name.startswith("qcrs/")} == {
+        "artifacts.json",
+        "check.html",
+        "errors.parquet",
+    }
     rows, wanted = scores(tmp_path), scores(clean)
     lost = [row for row in rows if row["n"] == -1]
     assert len(lost) == 2 and all(math.isnan(row["score"]) for row in lost)

@@ -264,8 +264,9 @@ def test_knuckles_of_any_parameters_fill_the_height_in_whole_layers(thickness: f
     lower, upper = parameters.levels
     assert 0.0 < lower < upper < parameters.height
     assert upper - lower >= gap - 1e-6
-    assert abs(lower - (parameters.height - upper)) <= layer + 1e-9
-    assert abs(parameters.height - thickness) <= 0.5 * layer + 1e-9
+    rounded = 4e-9  # each of the three is rounded to 1e-9 mm
+    assert abs(lower - (parameters.height - upper)) <= layer + rounded
+    assert abs(parameters.height - thickness) <= 0.5 * layer + rounded
     for z in (*parameters.levels, parameters.height):
         assert abs(z / layer - round(z / layer)) < 1e-6
 

@@ -109,13 +109,19 @@ def test_a_png_shows_them_where_the_pieces_lie(
 def test_a_film_carries_them_along(transform: Transform, images: PieceImages, tmp_path: Path) -> None:
     write_film(transform, tmp_path / "swing.gif", 240, images)
     with Image.open(tmp_path / "swing.gif") as film:
-        for k in (0, film.n_frames // 4, film.n_frames // 2):
-            film.seek(k)
-            pixels = np.asarray(film.convert("RGB")).reshape(-1, 3)
-            shown = pixels[(pixels.min(axis=1) < 60)]
-            # The front is seen at all times, and nothing of the back.
-            assert (np.abs(shown[:, 2].astype(int) - TEXTURES["p"].blue) < 60).mean() > 0.95
-            assert len(shown) > 0.1 * len(pixels)
+
+        def dark(frame: int) -> tuple[FloatArray, float]:
+            film.seek(frame)
+            pixels = np.asarray(film.convert("RGB"), dtype=np.float64).reshape(-1, 3)
+            shown = pixels[pixels.min(axis=1) < 60]
+            return shown, len(shown) / len(pixels)
+
+        # The front is seen, and nothing of the back, until the puzzle is turned over in the middle of the loop.
+        assert dark(film.n_frames // 2)[1] < 0.01
+        for frame in (0, film.n_frames // 8, film.n_frames // 4):
+            shown, share = dark(frame)
+            assert share > 0.1
+            assert (np.abs(shown[:, 2] - TEXTURES["p"].blue) < 60).mean() > 0.95
 
 
 def test_svg_defines_every_skin_once_and_uses_it(transform: Transform, images: PieceImages) -> None:
@@ -125,7 +131,7 @@ def test_svg_defines_every_skin_once_and_uses_it(transform: Transform, images: P
     prefix, n = naming(scene.pieces, images), len(transform)
     assert ids == [f"{prefix}{side}{i}" for side in ("", "p", "q") for i in range(n)]
     uses = [use.attrib["href"] for use in root.iter(f"{SPACE}use")]
-    assert uses.count(f"#{prefix}q0") == 1  # Q's own dissection
+    assert uses.count(f"#{prefix}q0") == 2  # Q's own dissection, and Q as the hand sees it
     assert uses.count(f"#{prefix}p0") == 9 and f"#{prefix}0" not in uses
     links = re.findall(r'href="([^#][^"]*)"', document(scene))
     assert len(links) == 2 * n and all(link.startswith("data:image/jpeg;base64,") for link in links)

@@ -184,7 +184,8 @@ def test_polygons_without_area_or_sense() -> None:
     assert reason(polygon_shape, bow_tie) == "self-crossing"
     assert reason(polygon_shape, [[0.0, 0.0], [1.0, np.inf], [1.0, 0.0]]) == "unreadable"
     assert reason(polygon_shape, "triangle") == "unreadable"
-    assert reason(polygon_shape, [[1.0, 2.0, 3.0]] * 4) == "unreadable"
+    assert reason(polygon_shape, [[1.0, 2.0, 3.0]] * 4) == "degenerate"  # points with heights
+    assert reason(polygon_shape, [[1.0, 2.0, 3.0, 4.0]] * 4) == "unreadable"
     assert reason(polygon_shape, np.array([[0j, 1j], [1j, 1j], [1j, 0j]])) == "unreadable"
 
 

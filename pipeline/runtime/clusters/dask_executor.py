@@ -47,12 +47,14 @@ def check_dashboard() -> None:
 @contextlib.contextmanager
 def scheduler_needed(client: Any) -> Iterator[None]:
     """Turn the errors of a lost scheduler into `StopError`; others pass as they are."""
+    from distributed.comm import CommClosedError
+
     try:
         yield
     except Exception as error:
         # Without a scheduler Dask cancels the tasks, or cannot send a message; which of them, and how, is up to chance.
         is_connected = getattr(client, "status", "running") == "running"
-        if is_connected and not isinstance(error, CancelledError):
+        if is_connected and not isinstance(error, (CancelledError, CommClosedError)):
             raise
         raise StopError(
             "the connection to the Dask scheduler was lost; what is done is in the store: give the same command again "
