@@ -141,22 +141,29 @@ def _turn(
 
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for each batch, in its own shard."""
-    recipe, trunks = progress.recipes["partners"], progress.work["trunks"]
     work = []
     for s, (shard, span) in enumerate(zip(progress.work["shards"], spans(progress), strict=True)):
         for b in span:
             position = ShardPosition(progress.batches[b].start - shard.members[0], False)
-            work.append(
-                recipe.item(
-                    recipe.parts([trunks[b].key, shard.key], position),
-                    [trunks[b].reference, shard.reference],
-                    spec=position,
-                    members=trunks[b].members,
-                    block=(b, s),
-                    pairs=len(trunks[b].members) * len(shard.members),
-                )
-            )
+            work.append(search_item(progress, "partners", (b, s), position))
     return work
+
+
+def search_item(
+    progress: Progress, stage: str, block: tuple[int, int], position: ShardPosition, *more: WorkItem
+) -> WorkItem:
+    """The work item that searches shard ``block[1]`` for partners of batch ``block[0]``, and reads ``more``."""
+    recipe = progress.recipes[stage]
+    batch, shard = progress.work["trunks"][block[0]], progress.work["shards"][block[1]]
+    sources = [batch, shard, *more]
+    return recipe.item(
+        recipe.parts([source.key for source in sources], position),
+        [source.reference for source in sources],
+        spec=position,
+        members=batch.members,
+        block=block,
+        pairs=len(batch.members) * len(shard.members),
+    )
 
 
 STAGE = Stage(

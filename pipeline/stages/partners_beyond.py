@@ -13,7 +13,7 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.partners import ShardPosition, join, search
+from pipeline.stages.partners import ShardPosition, join, search, search_item
 from pipeline.stages.partners import prepare as stack_or_index
 from pipeline.stages.shards import searches, spans
 from pipeline.stages.stage import Stage, SubBlocks
@@ -60,26 +60,14 @@ def worst_of_best(i: IntArray, score: FloatArray, shapes: int, count: int) -> Fl
 
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for each batch in each shard that it is not in, by shard, so that a worker reads a shard once."""
-    recipe, trunks = progress.recipes["partners_beyond"], progress.work["trunks"]
     own = {item.block[0]: item for item in progress.finished("partners") if item.block is not None}
     searched = [number for span in spans(progress) for number in span]
     work = []
-    for s, (shard, span) in enumerate(zip(progress.work["shards"], spans(progress), strict=True)):
+    for s, span in enumerate(spans(progress)):
         for b in searched:
-            if b in span:
-                continue
-            position = ShardPosition(-1, b > span[-1])
-            sources = [trunks[b], shard, *([own[b]] if b in own else [])]
-            work.append(
-                recipe.item(
-                    recipe.parts([source.key for source in sources], position),
-                    [source.reference for source in sources],
-                    spec=position,
-                    members=trunks[b].members,
-                    block=(b, s),
-                    pairs=len(trunks[b].members) * len(shard.members),
-                )
-            )
+            if b not in span:
+                known = [own[b]] if b in own else []
+                work.append(search_item(progress, "partners_beyond", (b, s), ShardPosition(-1, b > span[-1]), *known))
     return work
 
 
