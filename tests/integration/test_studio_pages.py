@@ -51,6 +51,24 @@ def test_two_tabs_show_the_same(fresh: Any, files: tuple[Path, Path]) -> None:
     other.locator("#pins", has_text="Nothing is pinned").wait_for()
 
 
+def test_pictures_given_before_the_page_is_ready_are_not_lost(
+    open_page: Callable[..., Any], files: tuple[Path, Path], tmp_path: Path
+) -> None:
+    with studio(tmp_path) as served:
+        page = open_page(served.address).context.new_page()
+        held: list[Any] = []
+        page.route("**/api/sessions", lambda route: held.append(route))
+        page.goto(served.address)
+        page.set_input_files("#file-p", files[0])
+        page.set_input_files("#file-q", files[1])
+        assert held
+        page.route("**/api/sessions", lambda route: route.continue_())
+        for route in held:
+            route.continue_()
+        page.wait_for_url("**/*#look")
+        exact(page)
+
+
 def test_files_that_are_no_shapes_are_told(fresh: Any, files: tuple[Path, Path], tmp_path: Path) -> None:
     page = fresh
     (tmp_path / "letter.png").write_text("dear studio")

@@ -10,6 +10,8 @@ const listeners = new Map();
 let socket = null;
 let seq = 1000 * Math.floor(1e6 * Math.random()); // tabs of one session do not take answers for one another's
 let session = '';
+/** @type {() => void} */
+let begin;
 let wait = 250;
 const LONGEST_WAIT = 4000;
 
@@ -33,9 +35,13 @@ export function ask(request) {
   return seq;
 }
 
+/** Resolves once the page knows its piece of work; what is given earlier waits for it. */
+export const begun = /** @type {Promise<void>} */ (new Promise(resolve => {begin = resolve;}));
+
 /** @param {string} id */
 export function connect(id) {
   session = id;
+  begin();
   open();
 }
 

@@ -1,6 +1,6 @@
 /** Start: two places for a shape each, filled by a file that is dropped or chosen, or by a shape of the collection. */
 
-import {base, hear, json, ask} from './link.js';
+import {ask, base, begun, hear, json} from './link.js';
 import {change, state, watch} from './store.js';
 import {find, html, say, svg} from './dom.js';
 import {Figure} from './figure.js';
@@ -52,6 +52,7 @@ export function beginStart() {
 export async function take(number, side = active()) {
   waiting = true;
   slots[side].bad.textContent = '';
+  await begun;
   const answer = await fetch(`${base()}/shape/${side}/${number}`, {method: 'POST'});
   if (!answer.ok) complain(side, 'The collection has no such shape.');
 }
@@ -65,6 +66,7 @@ async function upload(file, side) {
   slots[side].bad.textContent = '';
   change({busy: `Reading ${file.name}…`});
   waiting = true;
+  await begun;
   try {
     const answer = await fetch(`${base()}/input/${side}?name=${encodeURIComponent(file.name)}`, {method: 'PUT', body: file});
     if (!answer.ok) {
