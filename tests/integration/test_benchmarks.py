@@ -120,6 +120,18 @@ def test_a_collection_grows_and_is_measured_at_every_size(tmp_path: Path) -> Non
 
 
 @pytest.mark.system
+def test_each_bound_leaves_fewer_trunk_pairs_and_a_greater_distance_more(tmp_path: Path) -> None:
+    root = pictures(tmp_path / "pictures", range(5))
+    done = run("prunes", "--root", str(root), "--shapes", "5", "--trunks", "200", "--distances", "0.3,3,1e9")
+    assert done.returncode == 0, done.stderr
+    rows = [line.split() for line in done.stdout.splitlines() if line.startswith("  ")]
+    counts = [int(row[-2].replace(",", "")) for row in rows]
+    near, far, everything = counts[:7], counts[7:14], counts[14:]
+    assert near == sorted(near, reverse=True) and far == sorted(far, reverse=True)
+    assert near[-1] < far[-1] < everything[-1] == everything[0] == near[0]
+
+
+@pytest.mark.system
 def test_starts_are_measured_beside_python_and_numpy(tmp_path: Path) -> None:
     done = run("start", "--processes", "1", "--json", str(tmp_path / "figures.json"))
     assert done.returncode == 0, done.stderr
