@@ -11,6 +11,7 @@ from typing import Any
 
 from pipeline.report import formats
 from pipeline.report.assets import TEMPLATES, read_asset
+from pipeline.report.policy import policy
 from pipeline.report.words import becomes
 from riot.draw.animate import MOTION_STYLE
 from riot.draw.palette import DARK, LIGHT
@@ -64,5 +65,5 @@ def _environment() -> Environment:
         auto_reload=False,
     )
     environment.filters.update(formats.FILTERS, becomes=becomes)
-    environment.globals.update(asset=_asset, style_sheet=style_sheet, zip=zip)
+    environment.globals.update(asset=_asset, policy=policy, style_sheet=style_sheet, zip=zip)
     return environment

@@ -6,13 +6,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipeline.report.assets import read_asset
 from pipeline.report.environment import render, style_sheet
 from pipeline.report.pictures import HEIGHT, WIDTH
 from pipeline.report.rows import TransformRow
 
 INDEX, STYLE = "index.html", "style.css"
-SCRIPTS = ("gallery.js", "matrix.js", "player.js", "wall.js")
 REPORT = "../report.html"
 
 
@@ -91,10 +89,7 @@ def index(name: str, rows: Sequence[TransformRow], printed: frozenset[int] = fro
 
 def files() -> dict[str, str]:
     """The texts of the files that all pages of the gallery share, by name."""
-    return {
-        STYLE: style_sheet("wall.css", "classes.css", "gallery.css", "transform.css"),
-        **{name: read_asset(name) for name in SCRIPTS},
-    }
+    return {STYLE: style_sheet("wall.css", "classes.css", "gallery.css", "transform.css")}
 
 
 def listed_classes(rows: Sequence[TransformRow]) -> list[str]:

@@ -16,7 +16,7 @@ from PIL import Image
 from pipeline.report import write_report
 from pipeline.report.classes import CLASSES, classes_page
 from pipeline.report.first import FIRST, first_transforms
-from pipeline.report.gallery import INDEX, ORDERS, SCRIPTS, STYLE, index
+from pipeline.report.gallery import INDEX, ORDERS, STYLE, index
 from pipeline.report.page import SHOWN_TRANSFORMS
 from pipeline.report.pictures import PREVIEW, preview, swing, thumb
 from pipeline.report.run import read_run
@@ -41,9 +41,7 @@ def test_every_link_and_picture_is_there(run):
                 if not address:
                     assert place in ids
                 elif not address.startswith("data:image/"):
-                    assert (
-                        tag in {"a", "link", "img", "script", "source"} and (page.parent / address).resolve().exists()
-                    ), address
+                    assert tag in {"a", "link", "img", "source"} and (page.parent / address).resolve().exists(), address
 
 
 def test_is_a_plain_list_without_script(run):
@@ -112,7 +110,7 @@ def test_an_older_gallery_is_replaced_and_lost_transforms_are_not_in_it(run, tmp
     names = {file.name for file in (folder / GALLERY).iterdir()}
     kept = [row for row in rows if row.rank != 2]
     pictures = [name for row in kept for name in (row.page, row.thumb, row.swing, row.preview)]
-    assert names == {INDEX, CLASSES, STYLE, *SCRIPTS, *pictures}
+    assert names == {INDEX, CLASSES, STYLE, *pictures}
     page = Page((folder / GALLERY / rows[0].page).read_text(encoding="utf-8"))
     assert [link["href"] for link in page.all("a") if link.get("rel") == "next"] == [rows[2].page]
 

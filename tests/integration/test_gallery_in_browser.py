@@ -5,30 +5,17 @@ import shutil
 
 import pytest
 from fake_gallery import MANY, many, rows, run
+from page_browser import browser
 
 from pipeline.report.classes import CLASSES
 from pipeline.report.gallery import INDEX, ORDERS
 from pipeline.report.run import read_run
 from pipeline.tables.record import GALLERY
 
-__all__ = ["many", "rows", "run"]
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-
-
-@pytest.fixture(scope="module")
-def browser():
-    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra dev)")
-    if CHROMIUM is None:
-        pytest.skip("there is no Chromium on this machine")
-    with api.sync_playwright() as started:
-        launched = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"], timeout=0)
-        yield launched
-        launched.close()
-
+__all__ = ["browser", "many", "rows", "run"]
 
 READY = "domcontentloaded"
-"""When the script has run; pictures may still come."""
+"""When the scripts have run; pictures may still come."""
 
 
 def new_page(browser):
@@ -131,8 +118,8 @@ def test_pictures_out_of_sight_are_not_loaded(tab):
 
 
 def test_without_script_there_is_a_list_and_no_form(browser, many):
-    page = new_page(browser)
-    page.route("**/*.js", lambda route: route.abort())
+    page = browser.new_page(java_script_enabled=False)
+    page.set_default_timeout(0)
     page.goto((many / INDEX).as_uri(), wait_until=READY)
     assert page.locator(".wall li:visible").count() == MANY
     assert not page.locator(".controls").is_visible()
