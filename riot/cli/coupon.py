@@ -14,7 +14,8 @@ from riot.fabricate.coupon import CLEARANCES_MM, INTERFERENCES_MM, coupon
 from riot.fabricate.export.folder import check_folder, new_folder
 from riot.fabricate.export.laser_coupon import laser_coupon
 from riot.fabricate.export.laser_sheet import laser_sheets, svg_bytes
-from riot.fabricate.export.solids import plate_bytes, stl_bytes
+from riot.fabricate.export.plate_file import plate_bytes
+from riot.fabricate.export.stl import stl_bytes
 from riot.fabricate.plates import lay_out
 
 _STALE = ("bar.stl", "arm-*.stl", "pin.stl", "cap.stl", "plate-*.3mf", "laser-coupon.svg")

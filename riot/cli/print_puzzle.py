@@ -68,10 +68,10 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         name = transform.q.name or "Q"
         output.note(f"the back shows {name} mirrored: `riot make --mirror-q` cuts it to be read there")
     textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern)
-    paper = chosen.paper or chosen.dxf or bool(textures)
+    paper = chosen.paper or chosen.dxf or (bool(textures) and not parameters.inlay)
 
     def write_paper(folder: Path) -> None:
-        export.paperwork.write_paperwork(puzzle.design, folder, textures, dxf=chosen.dxf)
+        export.paperwork.write_paperwork(puzzle.design, folder, textures, drawing=drawing, dxf=chosen.dxf)
 
     compile_used(output.note, __name__)
     output.note("designs the pieces and proves that they move")
@@ -79,12 +79,14 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     if paper:
         output.show(*(f"warning: {words}" for words in export.flat.laser_notes(puzzle.design)))
     output.note("writes the files")
+    drawing = export.drawing.drawing_of(puzzle.design, textures)
     files = write_puzzle(
         puzzle.design,
         puzzle.parts,
         puzzle.certificate,
         chosen.output,
         [write_paper] if paper else (),
+        drawing=drawing,
         replace_files=chosen.replace_files,
     )
     document = json.loads((chosen.output / "parts.json").read_bytes())

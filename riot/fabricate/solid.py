@@ -48,9 +48,11 @@ class Part:
     @property
     def printed(self) -> manifold3d.Manifold:
         """The solid as it lies on the printer's bed, z = 0; turned around the x-axis if it is upside down."""
-        return (
-            self.solid.rotate((180.0, 0.0, 0.0)).translate((0.0, 0.0, self.size[2])) if self.upside_down else self.solid
-        )
+        return self.laid(self.solid)
+
+    def laid(self, solid: manifold3d.Manifold) -> manifold3d.Manifold:
+        """A solid of the part's frame as it lies when the part is printed."""
+        return solid.rotate((180.0, 0.0, 0.0)).translate((0.0, 0.0, self.size[2])) if self.upside_down else solid
 
     @property
     def volume(self) -> float:
@@ -64,18 +66,23 @@ class Part:
         return box[3] - box[0], box[4] - box[1], box[5] - box[2]
 
     def mesh(self) -> tuple[FloatArray, IntArray]:
-        """(v, 3) points in mm and (f, 3) triangles, counter-clockwise seen from outside, as it is printed.
+        """`mesh_of` the part as it is printed."""
+        return mesh_of(self.printed)
 
-        In an order that depends on the solid alone: points by x, y, z, triangles by their points.
-        """
-        mesh = self.printed.to_mesh64()
-        points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
-        triangles = np.array(mesh.tri_verts, dtype=np.int64)
-        order = np.lexsort(points.T[::-1])
-        triangles = np.argsort(order)[triangles]
-        first = triangles.argmin(axis=1)
-        turned = np.take_along_axis(triangles, (first[:, None] + np.arange(3)) % 3, axis=1)
-        return points[order], turned[np.lexsort(turned.T[::-1])]
+
+def mesh_of(solid: manifold3d.Manifold) -> tuple[FloatArray, IntArray]:
+    """(v, 3) points in mm and (f, 3) triangles, counter-clockwise seen from outside.
+
+    In an order that depends on the solid alone: points by x, y, z, triangles by their points.
+    """
+    mesh = solid.to_mesh64()
+    points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
+    triangles = np.array(mesh.tri_verts, dtype=np.int64)
+    order = np.lexsort(points.T[::-1])
+    triangles = np.argsort(order)[triangles]
+    first = triangles.argmin(axis=1)
+    turned = np.take_along_axis(triangles, (first[:, None] + np.arange(3)) % 3, axis=1)
+    return points[order], turned[np.lexsort(turned.T[::-1])]
 
 
 def make_parts(design: Design) -> tuple[Part, ...]:

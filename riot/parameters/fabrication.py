@@ -109,6 +109,15 @@ class FabricationParameters(ParameterGroup):
         source=MAKERS,
         meaning="How far the ledge of a telescopic hinge's tube stands inwards.",
     )
+    inlay_mm: float = parameter(
+        0.0,
+        at_least=0,
+        at_most=2,
+        unit="mm",
+        source="ours; three layers of 0.2 mm cover a filament of another colour",
+        meaning="Depth of pictures that are sunk into front and back as bodies of other filaments, 0.6 for "
+        "example; 0: none. Rounded to whole layers.",
+    )
     layer_mm: float = parameter(
         0.2,
         at_least=0.1,
@@ -155,6 +164,11 @@ class FabricationParameters(ParameterGroup):
         """Heights where the lower knuckle of a pin hinge ends and the upper one begins, mm."""
         lower = _layers(0.5 * (self.height - self.axial_gap), self.layer_mm, math.floor)
         return lower, round(lower + self.axial_gap, 9)
+
+    @property
+    def inlay(self) -> float:
+        """Depth of the inlays in whole layers, at least one; 0 without inlays, mm."""
+        return max(self.layer_mm, _layers(self.inlay_mm, self.layer_mm, round)) if self.inlay_mm else 0.0
 
     @property
     def travel(self) -> float:

@@ -14,7 +14,8 @@ from msgspec import Struct, json
 from riot.errors import RiotError
 from riot.fabricate import export
 from riot.fabricate.certificate import BuiltPuzzle, build, fix
-from riot.fabricate.export.solids import stl_bytes, write_puzzle
+from riot.fabricate.export.solids import write_puzzle
+from riot.fabricate.export.stl import stl_bytes
 from riot.fabricate.solid import Part
 from riot.parameters import FabricationParameters
 from studio.session.folder import digest_of

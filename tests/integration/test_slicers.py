@@ -12,10 +12,13 @@ import numpy as np
 import pytest
 import shapely
 
+from riot.draw.texture.names import SIDES, Pattern
+from riot.draw.texture.paint import pattern_texture
 from riot.fabricate import Design, FabricationParameters, design, write_puzzle
 from riot.fabricate.certificate import certify
+from riot.fabricate.export.drawing import drawing_of
 from riot.fabricate.solid import make_parts
-from riot.groundtruth.pairs import dudeney, exact_transform
+from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters.fabrication import PIVOTS
 from riot.types import FloatArray
 
@@ -115,6 +118,33 @@ def test_holes_and_pins_are_laid_as_wide_as_designed(puzzle: tuple[Design, Path]
 def test_the_plate_is_sliced_as_a_whole(puzzle: tuple[Design, Path], tmp_path: Path) -> None:
     code = sliced(puzzle[1] / "plate-1.3mf", tmp_path, "--support-material", "--bed-shape", "0x0,220x0,220x220,0x220")
     assert "TYPE:Support" not in code and code.count(";LAYER_CHANGE") >= round(puzzle[0].parameters.height / 0.2)
+
+
+@needs_slicer
+@pytest.mark.parametrize("pattern", [None, "bands"])
+def test_inlays_are_sliced_where_they_are_and_nowhere_else(pattern: Pattern | None, tmp_path: Path) -> None:
+    transform = exact_transform(exact_pair(4, 3))
+    puzzle_design = design(transform, FabricationParameters(inlay_mm=0.6))
+    parts, height = make_parts(puzzle_design), puzzle_design.parameters.height
+    textures = {side: pattern_texture(pattern, transform, side) for side in SIDES if pattern}
+    drawing = drawing_of(puzzle_design, textures)
+    write_puzzle(puzzle_design, parts, certify(puzzle_design, parts), tmp_path / "puzzle", drawing=drawing)
+    nozzles = ["--nozzle-diameter", "0.4,0.4,0.4,0.4", "--bed-shape", "0x0,220x0,220x220,0x220"]
+    code = sliced(tmp_path / "puzzle" / "plate-1.3mf", tmp_path, "--support-material", *nozzles)
+    assert "TYPE:Support" not in code
+    used: dict[str, set[float]] = {}
+    tool, z = "", 0.0
+    for line in code.splitlines():
+        if re.match(r"T\d\b", line):
+            tool = line.split()[0]
+        elif line.startswith(";Z:"):
+            z = float(line[3:])
+        elif re.match(r"G1 X[-\d.]+ Y[-\d.]+ E", line):
+            used.setdefault(tool, set()).add(round(z, 3))
+    assert len(used) == (4 if pattern else 2) and max(used["T0"]) == pytest.approx(height)
+    low, high = {0.2, 0.4, 0.6}, {round(height - 0.4, 3), round(height - 0.2, 3), height}
+    inlaid = set[float]().union(*(layers for name, layers in used.items() if name != "T0"))
+    assert inlaid == low | high
 
 
 @needs_admesh

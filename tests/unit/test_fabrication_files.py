@@ -19,7 +19,8 @@ from riot.cli.main import main
 from riot.draw.palette import PIECES
 from riot.fabricate import Design, FabricationError, FabricationParameters, design
 from riot.fabricate.certificate import FabricationCertificate, certify
-from riot.fabricate.export.solids import stl_bytes, write_puzzle
+from riot.fabricate.export.solids import write_puzzle
+from riot.fabricate.export.stl import stl_bytes
 from riot.fabricate.plates import check_bed, lay_out
 from riot.fabricate.solid import Part, make_parts
 from riot.fabricate.tuning import BED_SPACE_MM

@@ -1,8 +1,10 @@
 from . import booklet as booklet
+from . import drawing as drawing
 from . import engraving as engraving
 from . import flat as flat
 from . import flat_parts as flat_parts
 from . import folder as folder
+from . import inlay as inlay
 from . import instructions as instructions
 from . import laser_coupon as laser_coupon
 from . import laser_page as laser_page
@@ -12,7 +14,9 @@ from . import page as page
 from . import paper as paper
 from . import paperwork as paperwork
 from . import picture as picture
+from . import plate_file as plate_file
 from . import poses as poses
 from . import sheets as sheets
 from . import solids as solids
 from . import steps as steps
+from . import stl as stl

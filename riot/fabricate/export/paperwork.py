@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 from riot.draw.texture.names import SIDES
 from riot.fabricate.export.booklet import write_booklet
+from riot.fabricate.export.drawing import Drawing, drawing_of
 from riot.fabricate.export.flat import write_flat_files
+from riot.fabricate.export.inlay import InlayTexture
 from riot.fabricate.export.picture import draw_puzzle
 from riot.fabricate.export.sheets import SHEET_DOTS_PER_INCH, write_sheets
 
@@ -25,6 +27,7 @@ def write_paperwork(
     folder: Path,
     textures: Mapping[Side, Texture] | None = None,
     *,
+    drawing: Drawing | None = None,
     dxf: bool = True,
     dots_per_inch: float = SHEET_DOTS_PER_INCH,
 ) -> list[Path]:
@@ -40,10 +43,12 @@ def write_paperwork(
     for side, texture in textures.items():
         written.append(folder / SHEETS[side])
         write_sheets(design, written[-1], texture, side, dots_per_inch)
+    drawing = drawing or drawing_of(design)
+    seen = textures if drawing is None else {side: InlayTexture(design, drawing, side) for side in SIDES}
     written.append(folder / "assembly.pdf")
-    write_booklet(design, written[-1], textures)
+    write_booklet(design, written[-1], seen)
     for side in SIDES:
         for name, apart in (("puzzle", False), ("apart", True)):
             written.append(folder / f"{name}-{side}.png")
-            draw_puzzle(design, written[-1], side, apart=apart, textures=textures)
+            draw_puzzle(design, written[-1], side, apart=apart, textures=seen)
     return written

@@ -17,6 +17,7 @@ from riot.draw.files import PictureFormatError
 from riot.draw.palette import LIGHT, PIECES, hue
 from riot.draw.raster import font_files
 from riot.draw.solid import Body, Eye, View, png_of_view, prisms, render, ribbon
+from riot.fabricate.export.inlay import InlayTexture
 from riot.fabricate.export.paper import MM_PER_INCH, Frame, rings
 from riot.fabricate.export.sheets import face, face_colours
 from riot.fabricate.rings import Ring
@@ -129,7 +130,10 @@ def _piece(design: Design, index: int, frame: Frame, back: bool, side: Side, tex
             covered: BoolArray = shapely.contains_xy(region, points)
             return covered, colours(points[covered])
 
-    return Body(*prisms(layers), PIECES[hue(index, len(design.pieces))], top)
+    colour = PIECES[hue(index, len(design.pieces))]
+    if isinstance(texture, InlayTexture) and texture.drawing.base:
+        colour = texture.drawing.base
+    return Body(*prisms(layers), colour, top)
 
 
 def _pushed_in(design: Design, frames: list[Frame], back: bool) -> list[Body]:
