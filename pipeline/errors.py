@@ -27,3 +27,7 @@ class StorageError(PipelineError, OSError):
 
 class PayloadError(PipelineError, ValueError):
     """Bytes that are no artifact, or an array that an artifact cannot hold."""
+
+
+class SignatureError(PayloadError):
+    """An artifact that is not signed with the reader's key: somebody else may have written it."""

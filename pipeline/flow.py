@@ -26,6 +26,7 @@ from pipeline.stages.all import STAGES, begin_run
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.location import Location
 from pipeline.store.storage_errors import writing_to
+from pipeline.store.store import Store
 from pipeline.tables.outputs import run_folder, swept
 from pipeline.tables.record import CHECK, GALLERY, RECORD, REPORT, is_up_to_date, outcome_digest, write_record
 from pipeline.tables.results import Results
@@ -70,6 +71,8 @@ def run_pipeline(config: Config, listen: Listener) -> RunOutcome:
     collection = collect(config.dataset)
     check_writable(run_folder(config), "outputs")
     _check_extras(config)
+    if config.signing is not None:
+        config.signing.sign("")  # raises where there is no key
     unwritable = _unwritable(config.store)
     # `pipeline.cache gc` must not delete artifacts that no finished run lists yet.
     with open_files(config.store).shared(), swept(run_folder(config)):
@@ -106,7 +109,7 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
     started, clock = datetime.now(UTC), time.perf_counter()
     folder = run_folder(config)
     stages = [stage for stage in STAGES if stage.wanted(config)]
-    with open_run(config.store, config.cluster, stages, listen, unwritable) as run:
+    with open_run(Store(config.store, config.signing), config.cluster, stages, listen, unwritable) as run:
         progress = run_stages(begin_run(config, collection, run.store), run)
     results = Results(progress, run.store, dict(run.failed), len(run.blocked), tuple(run.stages))
     digest = outcome_digest(results, assets_digest())

@@ -18,6 +18,7 @@ from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.stages.all import STAGES
 from pipeline.store.keys import SCHEMA, KeyParts
 from pipeline.store.location import parse_location
+from pipeline.store.signing import Signing
 from pipeline.store.store import State, Store, folder_name
 from pipeline.tables.messages import several
 from pipeline.tables.record import ARTIFACTS
@@ -27,6 +28,8 @@ from riot.cli.table import Table
 
 DAMAGED = 3
 """Exit code of ``verify`` when it finds damage."""
+
+WORDS = {**dict.fromkeys(State, "corrupt or not committed"), State.UNSIGNED: "not signed"}
 
 
 @dataclass(frozen=True)
@@ -87,9 +90,10 @@ def _parts(store: Store, stage: str, key: str) -> KeyParts | None:
     return None if entry is None else parts_of(entry)
 
 
-def damaged(store: Store) -> list[tuple[str, str]]:
-    """(stage, key) of every artifact whose bytes are not those that were written."""
-    return [(stage, key) for stage, key in store.folders() if store.state(stage, key) is not State.PRESENT]
+def damaged(store: Store) -> dict[tuple[str, str], State]:
+    """State of every artifact, by (stage, key), whose bytes are not those that were written, or not signed."""
+    states = {(stage, key): store.state(stage, key) for stage, key in store.folders()}
+    return {name: state for name, state in states.items() if state is not State.PRESENT}
 
 
 def needed(outputs: Path) -> tuple[set[tuple[str, str]], int]:
@@ -133,12 +137,17 @@ class CacheCommand:
             metavar="LOCATION",
             help="folder or URL (default: store)",
         )
+        parser.add_argument(
+            "--sign",
+            metavar="KEY",
+            help="user, or the file of a key, as in sign=KEY of a run: what is not signed with it counts as damaged",
+        )
         self.more(parser)
         parser.exit_codes = {**EXIT_CODES, **self.exit_codes}
 
     def run(self, chosen: argparse.Namespace, output: Output) -> int:
         """See `riot.cli.command.CommandModule`; raises `StartError` if there is no store."""
-        store = Store(chosen.store)
+        store = Store(chosen.store, None if chosen.sign is None else Signing(chosen.sign))
         if not store.files.exists():
             raise StartError(f"{store.root}: there is no store here; give --store LOCATION")
         return self.work(store, chosen, output)
@@ -158,13 +167,14 @@ def _du(store: Store, chosen: argparse.Namespace, output: Output) -> int:
 
 
 def _verify(store: Store, chosen: argparse.Namespace, output: Output) -> int:
-    references = [f"{stage}/{key}" for stage, key in damaged(store)]
+    states = {f"{stage}/{key}": state for (stage, key), state in damaged(store).items()}
+    references = list(states)
     total = sum(1 for _ in store.folders())
     counted = f"{several(total, 'artifact')}, {len(references)} damaged"
     facts = {"store": str(store.root), "artifacts": total, "damaged": references}
     output.facts(
         facts,
-        *(f"corrupt or not committed: {reference}" for reference in references),
+        *(f"{WORDS[state]}: {reference}" for reference, state in states.items()),
         f"{counted}; the next run makes them again" if references else counted,
     )
     return DAMAGED if references else CLEAN

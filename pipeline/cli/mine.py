@@ -197,7 +197,7 @@ def _tell_sweep(
 
 
 def _show(config: Config, output: Output) -> dict[str, Any]:
-    store, console = Store(config.store), _console(output)
+    store, console = Store(config.store, config.signing), _console(output)
     expected = explain.forecast.forecast(config, store)
     if output.json:
         facts = cli.facts.explanation_facts(expected, store) if config.explain else cli.facts.plan_facts(expected)

@@ -14,6 +14,7 @@ from typing import Any, Literal
 
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.store.location import Location, Url
+from pipeline.store.signing import Signing
 from riot.errors import ParameterError
 from riot.parameters import (
     QCRS_VARIANTS,
@@ -290,6 +291,12 @@ class Config(ParameterGroup):
         parse=_parse_location,
         meaning="Content-addressed artifacts, which all runs share: a folder, or a URL such as s3://bucket/prefix.",
     )
+    sign: str | None = parameter(
+        None,
+        meaning="Sign what is written to the store, and take nothing from there that is not signed. user: with the key "
+        "in store.key of the user's configuration of riot (~/.config/riot on Linux), on each machine. Else the file of "
+        "a key. null: nothing is signed.",
+    )
     address: str = parameter(
         "",
         parse=_parse_address,
@@ -324,3 +331,8 @@ class Config(ParameterGroup):
     cluster: ClusterConfig = field(default_factory=ClusterConfig)
     plan: bool = parameter(False, meaning="Show what would run, and stop.")
     explain: bool = parameter(False, meaning="Show why each work item would run, and stop.")
+
+    @property
+    def signing(self) -> Signing | None:
+        """The key that artifacts are signed with, which stays in its file."""
+        return None if self.sign is None else Signing(self.sign)

@@ -104,7 +104,7 @@ def open_mined(folder: Path, store: Location | None = None) -> MinedRun:
     """
     record = _record(folder)
     config = _config(folder, record)
-    where = Store(store or parse_location(record.get("store", config.store)))
+    where = Store(store or parse_location(record.get("store", config.store)), config.signing)
     if not where.files.exists():
         moved = "give store=LOCATION if it was moved" if store is None else "give the folder that it is in now"
         raise StartError(f"{where.root}: the store of {folder} is gone; {moved}; else {AGAIN}")

@@ -1,7 +1,7 @@
 """Admission: which workers of somebody else's cluster may compute for a run, asked one by one as they join.
 
-A worker must have the code and the numeric libraries that the run's keys name, and must see its store. The question
-travels by value, so that a worker without this project can be asked, too.
+A worker must have the code and the numeric libraries that the run's keys name, see its store, and have the key of a
+store that is signed. The question travels by value, so that a worker without this project can be asked, too.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.stages.all import STAGES
 from pipeline.store.keys import SCHEMA
 from pipeline.store.location import Location
+from pipeline.store.store import Store
 
 Identity = Mapping[str, Any]
 """What all stages' keys name of code and libraries, in the form of the parts of a key."""
@@ -43,9 +44,11 @@ def identity() -> Identity:
 class Admission:
     """The workers of a cluster: each is asked once, before it gets its first task, and admitted or refused."""
 
-    def __init__(self, client: Any, root: Location | None, tell: Callable[[str], None]) -> None:
-        """``root`` is the store if it is a folder; ``tell`` gets a line for every worker that is refused."""
-        self._client, self._root, self._tell = client, root, tell
+    def __init__(self, client: Any, store: Store | None, tell: Callable[[str], None]) -> None:
+        """Workers must see ``store``, and have its key if it signs; ``tell`` gets a line for each that is refused."""
+        self._client, self._tell = client, tell
+        self._root = None if store is None else store.root
+        self._signing = None if store is None else store.signing
         self._own = identity()
         self._answered: dict[str, str] = {}
         self._had_some = False
@@ -97,10 +100,26 @@ class Admission:
         for address, answer in sorted(answers.items()):
             if isinstance(answer, OSError):
                 continue
-            text = objection(self._own, answer, self._root)
+            text = objection(self._own, answer, self._root) or self._key_objection(address)
             self._answered[address] = text
             if text:
                 self._tell(f"worker {address} is refused: {text}")
+
+    def _key_objection(self, address: str) -> str:
+        """What is wrong with the key of a worker that has this project; empty if nothing is, or nothing is signed."""
+        if self._signing is None:
+            return ""
+        # By its answer to a question that nobody was asked before: the key stays where it is.
+        challenge = uuid.uuid4().hex
+        try:
+            answer = self._client.run(self._signing.sign, challenge, workers=[address], on_error="return")[address]
+        except OSError as error:
+            answer = error
+        if isinstance(answer, Exception):
+            return f"it cannot sign: {answer}"
+        if not self._signing.has_signed(challenge, answer):
+            return f"its key is another than the one in {self._signing.path} here; give all machines the same"
+        return ""
 
 
 def objection(own: Identity, answer: Any, root: Location | None) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 
 from pipeline.config.schema import ClusterConfig
-from pipeline.errors import StartError, StorageError
+from pipeline.errors import SignatureError, StartError, StorageError
 from pipeline.plan.sub_block import Sides
 from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.clusters import Bundle, Executor, SyncExecutor, open_cluster
@@ -21,10 +21,12 @@ from pipeline.stages.all import BY_NAME
 from pipeline.stages.block_rows import ReusingBlock
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
-from pipeline.store.location import Location
 from pipeline.store.store import State, Store
 
 TASKS_PER_WORKER = 4
+
+ENDING = {error.__name__: error for error in (StorageError, SignatureError)}
+"""Failures of a work item that end the run: no other artifact can be written there either, or all may be forged."""
 
 
 @dataclass
@@ -151,13 +153,13 @@ class Run:
         pending = list(ready.values())
         for tries in range(1, MACHINE_TRIES + 1):
             again: list[WorkItem] = []
-            for receipt in executor.run(self.store.text, bundles(pending, executor.workers)):
+            for receipt in executor.run(self.store, bundles(pending, executor.workers)):
                 spent.append(receipt)
                 reference = (receipt.stage, receipt.key)
                 if receipt.failure is None:
                     self.done.add(reference)
-                elif receipt.failure.type == StorageError.__name__:  # no other artifact can be written there either
-                    raise StorageError(receipt.failure.message)
+                elif receipt.failure.type in ENDING:
+                    raise ENDING[receipt.failure.type](receipt.failure.message)
                 elif receipt.failure.type in MACHINE_FAULTS and tries < MACHINE_TRIES:
                     again.append(ready[reference])
                     continue
@@ -225,7 +227,7 @@ def _sides(item: WorkItem) -> list[tuple[Reference, ...]]:
 
 @contextlib.contextmanager
 def open_run(
-    root: Location,
+    store: Store,
     cluster: ClusterConfig,
     stages: Sequence[Stage],
     listen: Listener,
@@ -238,7 +240,7 @@ def open_run(
 
         def executor() -> Executor:
             if not opened:
-                opened.append(stack.enter_context(open_cluster(cluster, root, listen)))
+                opened.append(stack.enter_context(open_cluster(cluster, store, listen)))
             return opened[0]
 
-        yield Run(Store(root), listen, executor, unwritable, kernels)
+        yield Run(store, listen, executor, unwritable, kernels)

@@ -12,8 +12,9 @@ import pipeline.runtime.threads  # noqa: F401  (before anything that loads a num
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.inputs import InputCache
 from pipeline.runtime.worker import Receipt, run_items
+from pipeline.store.store import Store
 
-RunItems = Callable[[str, Sequence[WorkItem], InputCache], Iterator[Receipt]]
+RunItems = Callable[[Store, Sequence[WorkItem], InputCache], Iterator[Receipt]]
 
 
 def main(descriptor: int, run: RunItems = run_items) -> None:
@@ -24,8 +25,8 @@ def main(descriptor: int, run: RunItems = run_items) -> None:
     cache = InputCache()
     with Connection(descriptor) as connection, contextlib.suppress(EOFError, OSError):
         while True:
-            root, items, limit = connection.recv()
-            receipts = run(root, items, cache)
+            store, items, limit = connection.recv()
+            receipts = run(store, items, cache)
             for _ in items:
                 signal.setitimer(signal.ITIMER_REAL, limit or 0.0)
                 receipt = next(receipts)

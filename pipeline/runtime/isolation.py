@@ -23,6 +23,7 @@ from multiprocessing.connection import Connection
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.retries import PROCESS_LOST, PROCESS_TRIES, TIME_LIMIT
 from pipeline.runtime.worker import Failure, Receipt
+from pipeline.store.store import Store
 
 SECONDS_TO_END = 30.0
 """An idle process that is told to end and takes longer is killed."""
@@ -49,13 +50,13 @@ class IsolatedProcess:
         assert self._process is not None
         return self._process.pid
 
-    def run_items(self, root: str, items: Sequence[WorkItem]) -> Iterator[Receipt]:
+    def run_items(self, store: Store, items: Sequence[WorkItem]) -> Iterator[Receipt]:
         """As `pipeline.runtime.worker.run_items`: a receipt for every item, in order."""
         waiting, tries = deque(items), 0
         while waiting:
             try:
                 connection = self._start()
-                connection.send((root, tuple(waiting), self.limit))
+                connection.send((store, tuple(waiting), self.limit))
                 while waiting:
                     receipt: Receipt = connection.recv()
                     waiting.popleft()

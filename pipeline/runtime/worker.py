@@ -12,7 +12,6 @@ from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.inputs import InputCache, Inputs
 from pipeline.runtime.retries import DEADLY
 from pipeline.stages.all import checked_stage, code_text
-from pipeline.store.location import parse_location
 from pipeline.store.store import State, Store
 
 
@@ -43,12 +42,11 @@ class Receipt:
     failure: Failure | None = None
 
 
-def run_items(root: str, items: Sequence[WorkItem], cache: InputCache) -> Iterator[Receipt]:
-    """Run work items one after another against the store at ``root``; a failure stays with its item.
+def run_items(store: Store, items: Sequence[WorkItem], cache: InputCache) -> Iterator[Receipt]:
+    """Run work items one after another against a store; a failure stays with its item.
 
     ``cache`` holds inputs from one task of this process to the next.
     """
-    store = Store(parse_location(root))
     inputs = Inputs(store, items, cache)
     for position, item in enumerate(items):
         yield _run_item(store, inputs, position, item)
@@ -56,11 +54,11 @@ def run_items(root: str, items: Sequence[WorkItem], cache: InputCache) -> Iterat
 
 def _run_item(store: Store, inputs: Inputs, position: int, item: WorkItem) -> Receipt:
     wall, cpu = time.perf_counter(), time.process_time()
-    if store.state(*item.reference) is State.PRESENT:
-        # Another run has made it since the stage began, or a worker that was lost with its receipts has.
-        return Receipt(item.stage, item.key)
     failure = None
     try:
+        if store.state(*item.reference) is State.PRESENT:
+            # Another run has made it since the stage began, or a worker that was lost with its receipts has.
+            return Receipt(item.stage, item.key)
         stage = checked_stage(item.stage, code_text(item.parts.code, item.parts.versions))
         artifact = stage.run(inputs.of(position, item, stage.prepare), item.parameters, item.spec)
         seconds, cpu_seconds = time.perf_counter() - wall, time.process_time() - cpu

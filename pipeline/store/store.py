@@ -20,7 +20,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pipeline.errors import PayloadError
+from pipeline.errors import PayloadError, SignatureError
 from pipeline.store.artifact import Artifact, canonical_json, decode, encode
 from pipeline.store.filesystem.base import Files
 from pipeline.store.filesystem.choose import open_files
@@ -28,7 +28,8 @@ from pipeline.store.filesystem.local import TEMPORARY as TEMPORARY  # for whoeve
 from pipeline.store.filesystem.local import sync_folder as sync_folder
 from pipeline.store.filesystem.local import write_atomically as write_atomically
 from pipeline.store.keys import SCHEMA, KeyParts, digest_bytes, digest_text
-from pipeline.store.location import Location
+from pipeline.store.location import Location, parse_location
+from pipeline.store.signing import Signing
 from pipeline.store.storage_errors import writing_to
 
 PAYLOAD = "payload.bin"
@@ -45,6 +46,7 @@ class State(Enum):
     PRESENT = "present"
     ABSENT = "absent"
     CORRUPT = "corrupt"
+    UNSIGNED = "unsigned"
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,17 @@ class Entry:
 
 @dataclass(frozen=True)
 class Store:
-    """Artifacts below one location. Any number of processes may read and write it at once."""
+    """Artifacts below one location. Any number of processes may read and write it at once.
+
+    With ``signing`` each artifact is signed as it is written, and only what is signed with that key is read.
+    """
 
     root: Location
+    signing: Signing | None = None
+
+    def __reduce__(self) -> tuple[type[Store], tuple[Location, Signing | None]]:
+        """For another process, which may have another working folder."""
+        return Store, (parse_location(self.text), self.signing)
 
     @cached_property
     def files(self) -> Files:
@@ -105,13 +115,18 @@ class Store:
         }
         if accepted is not None:
             manifest["accepted"] = accepted
+        if self.signing is not None:
+            manifest["signature"] = self.signing.sign(canonical_json(manifest))
         written = {PAYLOAD: bytes(payload), MANIFEST: canonical_json(manifest).encode()}
         with writing_to(self.root):
             self.files.write(folder_name(parts.stage, key), written)
         return key
 
     def entry(self, stage: str, key: str) -> Entry | None:
-        """The manifest of a key; None without one. Raises `PayloadError` when it is damaged."""
+        """The manifest of a key; None without one.
+
+        Raises `PayloadError` when it is damaged, `SignatureError` when it is not signed as it should be.
+        """
         try:
             raw = self.files.read(f"{folder_name(stage, key)}/{MANIFEST}")
         except FileNotFoundError:
@@ -122,9 +137,13 @@ class Store:
                 raise PayloadError(f"manifest of {stage}/{key[:12]} names another artifact or schema")
             if digest_text(canonical_json(data["parts"])) != key:
                 raise PayloadError(f"manifest of {stage}/{key[:12]} was altered")
-            return Entry(stage, key, data["digest"], int(data["bytes"]), data["parts"], data["cost"])
+            entry = Entry(stage, key, data["digest"], int(data["bytes"]), data["parts"], data["cost"])
+            signature = data.pop("signature", None)
         except (ValueError, KeyError, TypeError) as error:
             raise PayloadError(f"manifest of {stage}/{key[:12]} is damaged: {error}") from error
+        if self.signing is not None and not self.signing.has_signed(canonical_json(data), signature):
+            raise self.signing.error(self.root, [(stage, key)])
+        return entry
 
     def state(self, stage: str, key: str) -> State:
         """Check a key down to the last byte of its payload."""
@@ -138,6 +157,8 @@ class Store:
                 return State.ABSENT, {}
             self.payload(entry).release()
             return State.PRESENT, entry.cost
+        except SignatureError:
+            return State.UNSIGNED, {}
         except (PayloadError, OSError):
             return State.CORRUPT, {}
 
@@ -156,22 +177,33 @@ class Store:
             _, committed = stamps.get(MANIFEST, (-1, -math.inf))
             if size == entry.size and written <= committed:
                 return State.PRESENT, entry.cost
+        except SignatureError:
+            return State.UNSIGNED, {}
         except (PayloadError, OSError):
             return State.CORRUPT, {}
         return self.check(stage, key)
 
     def check_all(self, references: Sequence[tuple[str, str]]) -> list[tuple[State, Mapping[str, float]]]:
-        """`glance` at each of many (stage, key), in order; threads share the work, most of which is waiting."""
+        """`glance` at each of many (stage, key), in order; threads share the work, most of which is waiting.
+
+        Raises `SignatureError` when one is not signed as it should be: computing it again would hide that.
+        """
         starts = range(0, len(references), CHECKED_AT_A_TIME)
         rows = [references[start : start + CHECKED_AT_A_TIME] for start in starts]
         with ThreadPoolExecutor(self.files.threads) as threads:
             checked = threads.map(lambda row: [self.glance(*reference) for reference in row], rows)
-            return [state for row in checked for state in row]
+            states = [state for row in checked for state in row]
+        unsigned = [name for name, (state, _) in zip(references, states, strict=True) if state is State.UNSIGNED]
+        if unsigned and self.signing is not None:
+            raise self.signing.error(self.root, unsigned)
+        return states
 
     def read(self, stage: str, key: str) -> Artifact:
         """`get` for a run: a corrupt artifact is withdrawn, so that the next run makes it again."""
         try:
             return self.get(stage, key)
+        except SignatureError:
+            raise
         except PayloadError:
             if self.state(stage, key) is State.PRESENT:  # another process has written it meanwhile
                 return self.get(stage, key)

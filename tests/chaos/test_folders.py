@@ -19,6 +19,7 @@ from pipeline.config.schema import Config
 from pipeline.datasets.collection import DatasetConfig, collect
 from pipeline.runtime.inputs import InputCache
 from pipeline.runtime.worker import run_items
+from pipeline.store.store import Store
 
 
 def relative(where: Path) -> Config:
@@ -33,7 +34,7 @@ def test_a_worker_elsewhere_finds_the_pictures(
     ingest = planned(config, "ingest").work["ingest"]
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")  # as a worker that was started there
-    receipts = list(run_items(str(config.store), ingest, InputCache()))
+    receipts = list(run_items(Store(config.store), ingest, InputCache()))
     assert [receipt.failure for receipt in receipts] == [None] * len(ingest)
     assert {item.reference for item in ingest} <= undisturbed.artifacts
 

@@ -10,6 +10,7 @@ from typing import Any
 from pipeline.plan.code_digest import code_digests, library_versions
 from pipeline.runtime.admission import NAMED, Admission, identity, objection
 from pipeline.stages.all import STAGES
+from pipeline.store.store import Store
 
 
 def other(**changes: dict[str, str]) -> dict[str, Any]:
@@ -61,7 +62,7 @@ def blind(ask: Callable[[], Any]) -> Any:
 def test_every_worker_is_asked_once_also_one_that_joins_later(tmp_path: Path) -> None:
     told: list[str] = []
     cluster = Cluster(good=lambda ask: ask(), old=lambda ask: (other(versions={"numpy": "1.0"}), True))
-    admission = Admission(cluster, tmp_path, told.append)
+    admission = Admission(cluster, Store(tmp_path), told.append)
     assert admission.threads() == {"good": 2} and admission.threads() == {"good": 2}
     cluster.workers |= {"blind": blind, "late": lambda ask: ask()}
     assert admission.threads() == {"good": 2, "late": 2}
@@ -78,7 +79,7 @@ def test_workers_may_go_and_come_back(tmp_path: Path) -> None:
         return OSError("gone")
 
     cluster = Cluster(good=unreachable)
-    admission = Admission(cluster, tmp_path, told.append)
+    admission = Admission(cluster, Store(tmp_path), told.append)
     assert admission.threads() == {} and told == []
     cluster.workers["good"] = lambda ask: ask()  # neither admitted nor refused: it is asked again
     assert admission.threads() == {"good": 2}

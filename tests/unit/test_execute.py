@@ -41,7 +41,7 @@ class Scripted:
         self.failures = failures or {}
         self.seen: list[str] = []
 
-    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+    def run(self, store: Store, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
         for bundle in bundles:
             for one in bundle:
                 self.seen.append(one.spec)
@@ -49,7 +49,7 @@ class Scripted:
                 if script:
                     yield Receipt(one.stage, one.key, failure=script.pop(0))
                 else:
-                    Store(Path(root)).put(one.parts, Artifact({}, {"spec": one.spec}), {"seconds": 1.0})
+                    store.put(one.parts, Artifact({}, {"spec": one.spec}), {"seconds": 1.0})
                     yield Receipt(one.stage, one.key, seconds=1.0, cpu_seconds=0.5)
 
 
@@ -156,16 +156,16 @@ def test_a_tile_is_between_so_many_inputs_and_so_many_others() -> None:
 
 def test_a_worker_refuses_to_write_what_other_code_computes(tmp_path: Path) -> None:
     stale = WorkItem(KeyParts("select", {}, (), {"pipeline.stages.select": "0"}, {}), (), (), None, ())
-    (receipt,) = SyncExecutor().run(str(tmp_path), [[stale]])
+    (receipt,) = SyncExecutor().run(Store(tmp_path), [[stale]])
     assert receipt.failure is not None and "code" in receipt.failure.message
     assert Store(tmp_path).state("select", stale.key) is State.ABSENT
 
 
 def test_lost_workers_are_replaced_and_a_deadly_item_is_given_up(tmp_path: Path) -> None:
-    def task(root: str, bundle: Bundle) -> list[Receipt]:
+    def task(store: Store, bundle: Bundle) -> list[Receipt]:
         if bundle[0].spec == "deadly":
             os._exit(1)
-        mark = Path(root) / bundle[0].spec
+        mark = Path(store.text) / bundle[0].spec
         if bundle[0].spec == "unlucky" and not mark.exists():
             mark.touch()
             os._exit(1)
@@ -176,7 +176,7 @@ def test_lost_workers_are_replaced_and_a_deadly_item_is_given_up(tmp_path: Path)
     with open_cluster(ClusterConfig("local", workers=2)) as opened:
         assert isinstance(opened, DaskExecutor)
         executor = replace(opened, task=task)
-        receipts = {receipt.key: receipt for receipt in executor.run(str(tmp_path), work)}
+        receipts = {receipt.key: receipt for receipt in executor.run(Store(tmp_path), work)}
     assert len(receipts) == 6
     failed = {key: receipt.failure for key, receipt in receipts.items() if receipt.failure is not None}
     assert list(failed) == [item("deadly").key]
@@ -209,7 +209,7 @@ def test_receipts_tell_time_and_memory(tmp_path: Path, monkeypatch: pytest.Monke
         "checked_stage",
         lambda name, code: replace(BY_NAME[name], run=lambda inputs, parameters, spec: Artifact()),
     )
-    (receipt,) = SyncExecutor().run(str(tmp_path), [[item("a")]])
+    (receipt,) = SyncExecutor().run(Store(tmp_path), [[item("a")]])
     assert receipt.failure is None and receipt.seconds > 0 and receipt.peak_mb > 1
 
 
@@ -235,7 +235,7 @@ class LostScheduler:
     ids=repr,
 )
 def test_a_lost_scheduler_stops_the_run_in_words(tmp_path: Path, error: Exception, status: str) -> None:
-    work = DaskExecutor(LostScheduler(error, status)).run(str(tmp_path), [[item("a")]])
+    work = DaskExecutor(LostScheduler(error, status)).run(Store(tmp_path), [[item("a")]])
     with pytest.raises(StopError, match=r"scheduler was lost.*same command"):
         list(work)
 
@@ -249,4 +249,4 @@ def test_a_scheduler_lost_between_stages_stops_the_run_too(tmp_path: Path) -> No
 
 def test_other_errors_of_a_cluster_pass(tmp_path: Path) -> None:
     with pytest.raises(ZeroDivisionError):
-        list(DaskExecutor(LostScheduler(ZeroDivisionError(), "running")).run(str(tmp_path), [[item("a")]]))
+        list(DaskExecutor(LostScheduler(ZeroDivisionError(), "running")).run(Store(tmp_path), [[item("a")]]))

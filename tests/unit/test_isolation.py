@@ -16,6 +16,7 @@ from pipeline.runtime.isolation import IdleProcesses, IsolatedProcess
 from pipeline.runtime.retries import PROCESS_TRIES
 from pipeline.runtime.worker import Receipt
 from pipeline.store.keys import KeyParts
+from pipeline.store.store import Store
 
 LIMIT = 3.0
 
@@ -26,16 +27,16 @@ from pathlib import Path
 from pipeline.runtime.isolated_process import main
 from pipeline.runtime.worker import Receipt
 
-def run_items(root, items, cache):
+def run_items(store, items, cache):
     for item in items:
-        with (Path(root) / "log").open("a") as log:
+        with (Path(store.text) / "log").open("a") as log:
             log.write(item.spec + "\\n")
         if item.spec == "hang":
             ctypes.PyDLL(None).usleep(60_000_000)  # in C, with the interpreter locked, as a kernel does
         if item.spec == "crash":
             ctypes.string_at(0)
-        if item.spec == "once" and not (Path(root) / "once").exists():
-            (Path(root) / "once").touch()
+        if item.spec == "once" and not (Path(store.text) / "once").exists():
+            (Path(store.text) / "once").touch()
             os.kill(os.getpid(), 9)
         yield Receipt(item.stage, item.key, seconds=float(os.getpid()))
 
@@ -57,7 +58,7 @@ def script(tmp_path: Path) -> str:
 def test_every_other_item_of_a_task_runs_once(script: str, tmp_path: Path) -> None:
     names = ["a", "crash", "hang", "once", "b"]
     process = IsolatedProcess(LIMIT, [script])
-    receipts = list(process.run_items(str(tmp_path), [item(name) for name in names]))
+    receipts = list(process.run_items(Store(tmp_path), [item(name) for name in names]))
     process.close()
     assert [receipt.key for receipt in receipts] == [item(name).key for name in names]
     failed = {name: receipt.failure for name, receipt in zip(names, receipts, strict=True) if receipt.failure}
@@ -76,7 +77,7 @@ def test_every_other_item_of_a_task_runs_once(script: str, tmp_path: Path) -> No
 
 def test_a_receipt_arrives_as_soon_as_its_item_ends(script: str, tmp_path: Path) -> None:
     process = IsolatedProcess(None, [script])
-    receipts = process.run_items(str(tmp_path), [item("a"), item("hang")])
+    receipts = process.run_items(Store(tmp_path), [item("a"), item("hang")])
     assert next(receipts).key == item("a").key
     os.kill(process.pid, signal.SIGKILL)
     assert process.close() == -signal.SIGKILL
@@ -84,7 +85,7 @@ def test_a_receipt_arrives_as_soon_as_its_item_ends(script: str, tmp_path: Path)
 
 def test_a_process_stays_from_task_to_task_and_serves_one_at_a_time(script: str, tmp_path: Path) -> None:
     def run(process: IsolatedProcess) -> int:
-        (receipt,) = process.run_items(str(tmp_path), [item("a")])
+        (receipt,) = process.run_items(Store(tmp_path), [item("a")])
         assert receipt == Receipt("crs", item("a").key, seconds=receipt.seconds)
         return int(receipt.seconds)
 

@@ -17,13 +17,14 @@ from pipeline.runtime.clusters.executor import Bundle
 from pipeline.runtime.isolation import IdleProcesses
 from pipeline.runtime.retries import WORKER_LOST, WORKER_TRIES
 from pipeline.runtime.worker import Failure, Receipt
+from pipeline.store.store import Store
 from riot.errors import MissingExtraError, needs_extra
 
 PATIENCE = 10
 """Seconds after which missing workers are replaced, and that receipts may take to arrive."""
 
 
-def run_on_worker(root: str, bundle: Bundle, limit: float | None = None) -> list[Receipt]:
+def run_on_worker(store: Store, bundle: Bundle, limit: float | None = None) -> list[Receipt]:
     """Run a bundle in a process beside a Dask worker (`pipeline.runtime.isolation`), an item in ``limit`` seconds.
 
     The idle processes are an attribute of the worker and end with it.
@@ -32,7 +33,7 @@ def run_on_worker(root: str, bundle: Bundle, limit: float | None = None) -> list
 
     idle = vars(get_worker()).setdefault("riot_processes", IdleProcesses())
     with idle.take(limit) as process:
-        return list(process.run_items(root, bundle))
+        return list(process.run_items(store, bundle))
 
 
 def check_dashboard() -> None:
@@ -98,7 +99,7 @@ class DaskExecutor:
     """
 
     client: Any
-    task: Callable[[str, Bundle], list[Receipt]] = run_on_worker
+    task: Callable[[Store, Bundle], list[Receipt]] = run_on_worker
     replace_workers: Callable[[], None] = lambda: None
     admission: Admission | None = None
 
@@ -113,7 +114,7 @@ class DaskExecutor:
             return self.admission.threads()
         return {address: int(threads) for address, threads in self.client.nthreads().items()}
 
-    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+    def run(self, store: Store, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
         """See `Executor.run`.
 
         A task whose worker was lost is tried again once all others have ended, with nothing beside it, so that one
@@ -127,7 +128,7 @@ class DaskExecutor:
             admitted = None if self.admission is None else frozenset(threads)
             name = f"{bundle[0].stage}-{bundle[0].key}-{tries}"
             workers = None if admitted is None else sorted(admitted)
-            future = self.client.submit(self.task, root, tuple(bundle), key=name, pure=False, workers=workers)
+            future = self.client.submit(self.task, store, tuple(bundle), key=name, pure=False, workers=workers)
             running[future] = _Task(bundle, tries, admitted)
 
         def fill() -> None:

@@ -7,6 +7,7 @@ from typing import Protocol
 
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.worker import Receipt
+from pipeline.store.store import Store
 
 Bundle = Sequence[WorkItem]
 """Work items of one stage that go to a worker as one task."""
@@ -19,5 +20,5 @@ class Executor(Protocol):
     def workers(self) -> int:
         """How many bundles it runs at once."""
 
-    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
-        """Run bundles against the store at ``root``; yields the receipt of every work item as soon as it arrives."""
+    def run(self, store: Store, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+        """Run bundles against a store; yields the receipt of every work item as soon as it arrives."""

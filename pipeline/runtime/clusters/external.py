@@ -12,12 +12,12 @@ from pipeline.runtime.admission import Admission
 from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker, set_dask_options
 from pipeline.runtime.clusters.executor import Executor
 from pipeline.runtime.events import Listener, Note
-from pipeline.store.location import Location
+from pipeline.store.store import Store
 from riot.errors import needs_extra
 
 
 @contextlib.contextmanager
-def open_external(config: ClusterConfig, root: Location | None, listen: Listener) -> Iterator[Executor]:
+def open_external(config: ClusterConfig, store: Store | None, listen: Listener) -> Iterator[Executor]:
     """Connect to the scheduler at ``config.address`` and wait for a worker that is admitted."""
     with needs_extra("mine"):
         from distributed import Client
@@ -31,7 +31,7 @@ def open_external(config: ClusterConfig, root: Location | None, listen: Listener
             "start one with `dask scheduler` and workers with `dask worker`, or use cluster=local"
         ) from error
     with client:
-        admission = Admission(client, root, lambda text: listen(Note(text)))
+        admission = Admission(client, store, lambda text: listen(Note(text)))
         admission.wait(
             f"cluster.address={config.address}", config.wait, f"start some with `dask worker {config.address}`"
         )

@@ -12,7 +12,7 @@ from pipeline.runtime.clusters.local import open_local
 from pipeline.runtime.clusters.slurm import open_slurm
 from pipeline.runtime.clusters.sync import SyncExecutor
 from pipeline.runtime.events import Listener
-from pipeline.store.location import Location
+from pipeline.store.store import Store
 
 
 def ignore(_event: object) -> None:
@@ -20,10 +20,10 @@ def ignore(_event: object) -> None:
 
 
 @contextlib.contextmanager
-def open_cluster(config: ClusterConfig, root: Location | None = None, listen: Listener = ignore) -> Iterator[Executor]:
+def open_cluster(config: ClusterConfig, store: Store | None = None, listen: Listener = ignore) -> Iterator[Executor]:
     """Open the cluster that the configuration names and close it afterwards.
 
-    Workers beyond this machine must see the store ``root``; ``listen`` gets a note of each worker that is refused.
+    Workers beyond this machine must see the store ``store``; ``listen`` gets a note of each worker that is refused.
     Raises `StartError` when the cluster cannot be reached or all of its workers are refused.
     """
     match config.kind:
@@ -33,8 +33,8 @@ def open_cluster(config: ClusterConfig, root: Location | None = None, listen: Li
             with open_local(config, listen) as executor:
                 yield executor
         case "external":
-            with open_external(config, root, listen) as executor:
+            with open_external(config, store, listen) as executor:
                 yield executor
         case "slurm":
-            with open_slurm(config, root, listen) as executor:
+            with open_slurm(config, store, listen) as executor:
                 yield executor

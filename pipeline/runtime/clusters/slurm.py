@@ -17,12 +17,12 @@ from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker,
 from pipeline.runtime.clusters.executor import Executor
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.interrupts import interrupts_handled_by
-from pipeline.store.location import Location
+from pipeline.store.store import Store
 from riot.errors import MissingExtraError, needs_extra
 
 
 @contextlib.contextmanager
-def open_slurm(config: ClusterConfig, root: Location | None, listen: Listener) -> Iterator[Executor]:
+def open_slurm(config: ClusterConfig, store: Store | None, listen: Listener) -> Iterator[Executor]:
     """Submit the jobs and wait for a worker that is admitted; cancel the jobs afterwards."""
     with needs_extra("slurm"):
         from distributed import Client
@@ -41,7 +41,7 @@ def open_slurm(config: ClusterConfig, root: Location | None, listen: Listener) -
     with cluster, Client(cluster) as client:
         jobs = slurm_jobs.Jobs(cluster, config.jobs, lambda text: listen(Note(text)))
         jobs.submit()
-        admission = Admission(client, root, lambda text: listen(Note(text)))
+        admission = Admission(client, store, lambda text: listen(Note(text)))
         admission.wait("cluster=slurm", config.wait, "look at `squeue`", lambda: jobs.refusals)
         task = partial(run_on_worker, limit=config.limit)
         yield DaskExecutor(client, task, replace_workers=jobs.submit, admission=admission)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pipeline.runtime.clusters.executor import Bundle
 from pipeline.runtime.inputs import InputCache
 from pipeline.runtime.worker import Receipt, run_items
+from pipeline.store.store import Store
 
 
 class SyncExecutor:
@@ -17,7 +18,7 @@ class SyncExecutor:
     def __init__(self) -> None:
         self._cache = InputCache()
 
-    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+    def run(self, store: Store, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
         """See `Executor.run`."""
         for bundle in bundles:
-            yield from run_items(root, bundle, self._cache)
+            yield from run_items(store, bundle, self._cache)
