@@ -113,7 +113,7 @@ def one_more(collection: Collection, pool: ProcessPoolExecutor, fraction: float)
 def topk(collection: Collection, pool: ProcessPoolExecutor, fraction: float) -> Cost:
     """The `PARTNERS` best partners of every shape through an index, by one process.
 
-    ``pairs_scored`` are those of which trunks were compared corner by corner, a pair from either side being two.
+    ``pairs_scored`` are those of which the distance of two trunks was computed, a pair from either side being two.
     """
     queries = max(LEAST_QUERIES, round(fraction * sum(collection.sizes)))
     start = time.perf_counter()

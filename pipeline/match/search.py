@@ -89,7 +89,7 @@ class MatchResult:
     """The best partners, best first (``scores.j`` are shape numbers).
 
     ``itself`` is the shape of the collection with the query's file, None without one; ``compared`` counts the shapes
-    whose trunks were compared corner by corner.
+    of which the distance of two trunks was computed.
     """
 
     scores: BlockScores

@@ -53,7 +53,7 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: ShardPosition | 
 
     A `SubBlock` restricts the rows i. Only scores above 0 count; among equals the earlier j comes first. ``trunk_i``,
     ``trunk_j`` and ``shift`` belong to the pair with its earlier shape first, in whichever direction it was searched.
-    ``compared`` in the document counts the pairs of which two trunks were compared corner by corner.
+    ``compared`` in the document counts the pairs of which the distance of two trunks was computed.
     """
     settings, count = parameters
     query, index = inputs

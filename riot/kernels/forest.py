@@ -23,8 +23,8 @@ class Forest(NamedTuple):
     ``groups`` (shapes + 1,) where the groups of each shape begin; for each group ``sizes`` (g,) is n, ``leaves`` (g +
     1,) where its leaves begin, ``tiles`` (g + 1,) where its boxes begin. ``trunks`` (l, QCRS_LEAF) numbers of the
     trunks among all; ``features`` (l, FEATURES, QCRS_LEAF) and ``boxes`` (tiles, 2 FEATURES, TILE_LEAVES) as
-    `riot.kernels.leaves` says; ``facing`` (…,) the corners of every slot backwards and twice, from ``begins`` (g + 1,)
-    for each group. ``starts``, ``offsets``, ``edges``, ``alphas``, ``betas``, ``areas`` as in
+    `riot.kernels.leaves` says; ``facing`` (…,) the corners of the trunks of every leaf, side by side and backwards,
+    from ``begins`` (g + 1,) for each group. ``starts``, ``offsets``, ``edges``, ``alphas``, ``betas``, ``areas`` as in
     `riot.scores.trunk_stack.TrunkStack`.
     """
 

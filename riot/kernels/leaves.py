@@ -33,8 +33,8 @@ none of them. Ours."""
 FEATURES = 1 + EDGE_CONTRASTS + 2 * ANGLE_CONTRASTS + 1
 """Numbers of a trunk: the first is the area, the last |Σβ − (n − 2)π|, the least value of Σ|β − α'|."""
 
-CORNER_VALUES = 6
-"""Values of each corner that `facing` stores: edge, alpha and beta, twice."""
+CORNER_VALUES = 3
+"""Values of each corner that `facing` stores: edge, alpha and beta."""
 
 _STACK = 64
 """Ranges that wait to be halved: more than the binary logarithm of any number of trunks."""
@@ -228,22 +228,17 @@ def facing(
     betas: FloatArray,
     out: npt.NDArray[np.float32],
 ) -> None:
-    """Fill ``out``: from ``begins[k]`` on, 2 n edges, 2 n alphas and 2 n betas of the trunk in slot k of the leaves.
-
-    They run backwards and twice around, so that the n corners that face those of another trunk are contiguous at any
-    shift.
-    """
+    """Fill ``out``: from ``begins[leaf]`` on, n edges, n alphas and n betas of the trunks of a leaf, each value of all
+    trunks side by side. They run backwards, so that corners that face those of another trunk ascend with it."""
     for leaf in range(leaves.shape[0]):
         for k in range(QCRS_LEAF):
             trunk = leaves[leaf, k]
-            start, n, x = offsets[trunk], offsets[trunk + 1] - offsets[trunk], begins[leaf * QCRS_LEAF + k]
-            for twice in range(2):
-                y = x + twice * n
-                for m in range(n):
-                    back = 0 if m == 0 else n - m
-                    out[y + m] = edges[start + n - 1 - m]
-                    out[y + 2 * n + m] = alphas[start + back]
-                    out[y + 4 * n + m] = betas[start + back]
+            start, n, x = offsets[trunk], offsets[trunk + 1] - offsets[trunk], begins[leaf] + k
+            for m in range(n):
+                back = 0 if m == 0 else n - m
+                out[x + m * QCRS_LEAF] = edges[start + n - 1 - m]
+                out[x + (n + m) * QCRS_LEAF] = alphas[start + back]
+                out[x + (2 * n + m) * QCRS_LEAF] = betas[start + back]
 
 
 def warm() -> None:
@@ -254,6 +249,4 @@ def warm() -> None:
     begins = np.array([0, 1], dtype=np.int64)
     out, boxes = np.zeros((1, FEATURES, QCRS_LEAF), np.float32), np.zeros((1, 2 * FEATURES, TILE_LEAVES), np.float32)
     lay_out(leaves, begins, begins, values, out, boxes)
-    facing(
-        leaves, 18 * np.arange(QCRS_LEAF + 1), offsets, corners, corners, corners, np.empty(18 * QCRS_LEAF, np.float32)
-    )
+    facing(leaves, begins, offsets, corners, corners, corners, np.empty(9 * QCRS_LEAF, np.float32))

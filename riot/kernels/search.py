@@ -4,7 +4,7 @@ The search gives the distance D and the winner of `riot.kernels.pairs`, exactly.
 
 1. distances between boxes around leaves of 16 similar trunks (`_row`), and of their trunks from a box (`_beside`);
 2. distances between the features of trunks, sixteen at a time (`_mask`);
-3. all shifts of two trunks in single precision (`_near`);
+3. all shifts of two trunks in single precision, sixteen at a time (`_near`);
 4. D itself in double precision (`_exact`), some two dozen times for two shapes.
 
 The first three are lower bounds of D in single precision, and prune only what exceeds the best D so far by more than
@@ -35,7 +35,7 @@ QCRS_LEAF, TILE_LEAVES, EDGE_CONTRASTS, ANGLE_CONTRASTS = 16, 32, 3, 2
 FEATURES = 1 + EDGE_CONTRASTS + 2 * ANGLE_CONTRASTS + 1
 FIRST_ALPHA = 1 + EDGE_CONTRASTS
 FIRST_BETA = FIRST_ALPHA + ANGLE_CONTRASTS
-CORNER_VALUES = 6
+CORNER_VALUES = 3
 
 INFINITY_BITS = np.int32(0x7F800000)
 """The bits of single-precision infinity. The bits of numbers from 0 up are in the order of the numbers."""
@@ -43,7 +43,11 @@ INFINITY_BITS = np.int32(0x7F800000)
 LANE_BITS = (1 << np.arange(QCRS_LEAF)).astype(np.int32)
 """The bit of each trunk of a leaf in a mask."""
 
+FIRST_ROWS = 8
+"""Leaves that the first sweep visits, the nearest. Ours: any number gives the same result."""
+
 U64 = np.uint64
+LANES = U64(QCRS_LEAF)
 F32: TypeAlias = np.float32
 
 
@@ -155,22 +159,26 @@ def _least(fa: Single, x: int, k: int, fb: Single, y: int, edge: F32, angle: F32
 
 def _near_for(n: int) -> Callable[..., Any]:
     """`_near` for trunks of n corners, n known to the compiler."""
-    size, alphas_at, betas_at = U64(n), U64(2 * n), U64(4 * n)
+    size = U64(n)
 
     @inner
     def near(ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
-        """Whether, at any shift, edges and angles are within ``limit``; ``ca`` read backwards is P's own order."""
-        a, b = U64(x) + size - U64(1), U64(y)
-        is_near: Any = False
+        own, first = U64(x), U64(y)
+        mask = np.int32(0)
         for s in range(size):
-            e, g = np.float32(0.0), np.float32(0.0)
-            for j in range(size):
-                e += abs(ca[a - j] - cb[b + s + j])
-            for j in range(size):
-                g += abs(ca[a + betas_at + U64(1) - j] - cb[b + alphas_at + s + j])
-                g += abs(ca[a + alphas_at + U64(1) - j] - cb[b + betas_at + s + j])
-            is_near |= (e * edge <= limit) & (g * angle <= limit)
-        return is_near
+            for lane in range(LANES):
+                e, g = np.float32(0.0), np.float32(0.0)
+                for j in range(size):
+                    m = s + j if s + j < size else s + j - size
+                    e += abs(ca[own + (size - U64(1) - j) * LANES] - cb[first + m * LANES + lane])
+                for j in range(size):
+                    m = s + j if s + j < size else s + j - size
+                    back = size - j if j > U64(0) else U64(0)
+                    g += abs(ca[own + (size + size + back) * LANES] - cb[first + (size + m) * LANES + lane])
+                    g += abs(ca[own + (size + back) * LANES] - cb[first + (size + size + m) * LANES + lane])
+                near = (e * edge <= limit) & (g * angle <= limit)
+                mask = np.int32(mask | (LANE_BITS[lane] if near else np.int32(0)))
+        return mask
 
     return near
 
@@ -179,22 +187,30 @@ _near_3, _near_4, _near_5, _near_6 = _near_for(3), _near_for(4), _near_for(5), _
 
 
 @inner
-def _near_any(n: int, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> bool:
+def _near_any(n: int, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
+    mask = np.int32(0)
     for s in range(n):
-        e, g = np.float32(0.0), np.float32(0.0)
-        for j in range(n):
-            e += abs(ca[x + n - 1 - j] - cb[y + s + j])
-        for j in range(n):
-            g += abs(ca[x + 5 * n - j] - cb[y + 2 * n + s + j])
-            g += abs(ca[x + 3 * n - j] - cb[y + 4 * n + s + j])
-        if e * edge <= limit and g * angle <= limit:
-            return True
-    return False
+        for lane in range(QCRS_LEAF):
+            e, g = np.float32(0.0), np.float32(0.0)
+            for j in range(n):
+                m = s + j if s + j < n else s + j - n
+                e += abs(ca[x + (n - 1 - j) * QCRS_LEAF] - cb[y + m * QCRS_LEAF + lane])
+            for j in range(n):
+                m = s + j if s + j < n else s + j - n
+                back = n - j if j > 0 else 0
+                g += abs(ca[x + (2 * n + back) * QCRS_LEAF] - cb[y + (n + m) * QCRS_LEAF + lane])
+                g += abs(ca[x + (n + back) * QCRS_LEAF] - cb[y + (2 * n + m) * QCRS_LEAF + lane])
+            near = (e * edge <= limit) & (g * angle <= limit)
+            mask = np.int32(mask | (LANE_BITS[lane] if near else np.int32(0)))
+    return mask
 
 
 @inlined
 def _near(n: int, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
-    """Whether two trunks of n corners are within ``limit`` of each other at some shift, their areas aside."""
+    """Which trunks of a leaf may be, at some shift, within ``limit`` of another trunk, their areas aside: one bit each.
+
+    The leaf's corners begin at y, those of the other trunk at x.
+    """
     if n == 4:
         return _near_4(ca, x, cb, y, edge, angle, limit)
     if n == 3:
@@ -283,7 +299,7 @@ def _nearest(
 
     ``owners`` (t,) are the owners of b's trunks. ``tops`` (k,) are the least distances of k owners so far, ascending;
     the search reaches as far as the last. For every owner ``bests`` becomes D, ``winners`` (T, T', shift) with trunks
-    numbered among all, and ``met`` 1 where trunks were compared corner by corner.
+    numbered among all, and ``met`` 1 where D of two trunks was computed.
     """
     # To take an array out of a tuple costs more than most of what is done with it below.
     groups_a, sizes_a, leaves_a, tiles_a, begins_a = a.groups, a.sizes, a.leaves, a.tiles, a.begins
@@ -330,10 +346,10 @@ def _nearest(
     for row in range(count):
         order[row] = (np.int64(least[row]) << 32) | row
     _sort(order, count)
-    # The first sweep visits only the nearest leaf of every leaf, and only its nearest trunks: it gives a limit to the
+    # The first sweep visits only the nearest leaf of a few leaves, and only its nearest trunks: it gives a limit to the
     # second. A search with a limit needs no first sweep.
     for sweep in range(0 if reach == np.inf else 1, 2):
-        for rank in range(count):
+        for rank in range(count if sweep == 1 else min(count, FIRST_ROWS)):
             r = order[rank] & 0xFFFFFFFF
             near = np.float32(reach + slack)
             if least[r] > np.float32(near).view(np.int32):
@@ -368,20 +384,20 @@ def _nearest(
                         if lanes & LANE_BITS[k] == 0:
                             continue
                         lanes ^= LANE_BITS[k]
+                        if k > 0 and trunks_a[x, k] == trunks_a[x, k - 1]:
+                            break  # a short leaf repeats its last trunk
                         mask = _mask(features_a, x, k, features_b, y, edge, angle, area, near)
+                        if sweep == 1 and mask != 0:
+                            mask &= _near(n, facing_a, begin_a + k, facing_b, begin_b, edge, angle, near)
                         m = -1
                         while mask != 0:
                             m += 1
                             if mask & LANE_BITS[m] == 0:
                                 continue
                             mask ^= LANE_BITS[m]
-                            p, q = begin_a + k * CORNER_VALUES * n, begin_b + m * CORNER_VALUES * n
                             t, u = trunks_a[x, k], trunks_b[y, m]
                             o = owners[u]
                             met[o] = 1
-                            own = np.float32(min(reach, bests[o]) + slack)
-                            if sweep == 1 and not _near(n, facing_a, p, facing_b, q, edge, angle, own):
-                                continue
                             far, s = _exact(
                                 n, offsets_a[t], offsets_b[u], ea, aa, ba, eb, ab, bb,
                                 1.0 / (n * sigma_edge), 1.0 / (2.0 * n * sigma_angle),
@@ -505,9 +521,9 @@ def warm() -> None:
     ends, area = np.array([0, 1], dtype=np.int64), np.ones(1)
     corners = np.ones(3)
     forest = Forest(
-        ends, np.array([3], dtype=np.int64), ends, ends, np.array([0, 18 * QCRS_LEAF], dtype=np.int64),
+        ends, np.array([3], dtype=np.int64), ends, ends, np.array([0, 9 * QCRS_LEAF], dtype=np.int64),
         np.zeros((1, QCRS_LEAF), np.int32), np.ones((1, FEATURES, QCRS_LEAF), np.float32),
-        np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.ones(18 * QCRS_LEAF, np.float32),
+        np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.ones(9 * QCRS_LEAF, np.float32),
         ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, area,
     )  # fmt: skip
     out, winners = np.empty(1), np.empty((1, 3), np.int32)

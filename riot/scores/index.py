@@ -101,7 +101,7 @@ class TrunkIndex:
 class Partners:
     """The best pairs, best first (ties: i, then j), and the number of pairs that were compared for that.
 
-    ``compared`` counts the pairs of shapes of which two trunks were compared corner by corner.
+    ``compared`` counts the pairs of shapes of which the distance of two trunks was computed.
     """
 
     scores: BlockScores

@@ -158,8 +158,15 @@ def lay_out_forest(
     boxes = np.zeros((int(tiles[-1]), 2 * FEATURES, TILE_LEAVES), dtype=np.float32)
     lay_out(leaves, first.astype(np.int64), tiles, values, laid, boxes)
     corners = np.empty(int(begins[-1]), dtype=np.float32)
-    slots = running(np.repeat(CORNER_VALUES * n, QCRS_LEAF))
-    facing(leaves, slots, trunks.offsets, trunks.edges, trunks.alphas, trunks.betas, corners)
+    facing(
+        leaves,
+        running(QCRS_LEAF * CORNER_VALUES * n),
+        trunks.offsets,
+        trunks.edges,
+        trunks.alphas,
+        trunks.betas,
+        corners,
+    )
     return Forest(
         groups=groups.astype(np.int64),
         sizes=sizes,
