@@ -11,7 +11,7 @@ from functools import cached_property
 from pipeline.config.schema import Config
 from pipeline.datasets.collection import Collection
 from pipeline.datasets.item import Item
-from pipeline.plan.batches import SPREAD, batches_in_a_group, cut
+from pipeline.plan.batches import SPREAD, batches_in_a_group, cut, spans_of_groups
 from pipeline.plan.work_item import Recipe, Reference, WorkItem
 from pipeline.store.artifact import Artifact
 
@@ -53,20 +53,35 @@ class Progress:
 
         Groups are cut by content, as batches are.
         """
-        contents = ["".join(item.digest for item in self.items[batch.start : batch.stop]) for batch in self.batches]
-        mean = batches_in_a_group(len(contents), self.config.batch)
-        return tuple(cut(contents, mean, SPREAD))
+        mean = batches_in_a_group(len(self.batches), self.config.batch)
+        return tuple(cut([self._content(batch) for batch in self.batches], mean, SPREAD))
+
+    @cached_property
+    def spans(self) -> Sequence[Sequence[range]]:
+        """Numbers of the groups of each span, level by level; rare blocks lie between spans of the first level."""
+        return spans_of_groups([self._content(self.of_group(number)) for number in range(len(self.groups))])
+
+    def _content(self, positions: range) -> str:
+        return "".join(item.digest for item in self.items[positions.start : positions.stop])
 
     def of_group(self, number: int) -> range:
         """Positions of the items of a group."""
-        group = self.groups[number]
-        return range(self.batches[group.start].start, self.batches[group.stop - 1].stop)
+        return self.of_span(range(number, number + 1))
+
+    def of_span(self, groups: range) -> range:
+        """Positions of the items of neighbouring groups."""
+        first, last = self.groups[groups.start], self.groups[groups.stop - 1]
+        return range(self.batches[first.start].start, self.batches[last.stop - 1].stop)
+
+    def of_side(self, stage: str, number: int) -> range:
+        """Positions of the items on a side of a block: of a group, or, in a rare block, of a span of groups."""
+        return self.of_span(self.spans[0][number]) if stage == "qcrs_rare" else self.of_group(number)
 
     def members(self, item: WorkItem) -> Sequence[int]:
         """The positions that a work item concerns; those of a block between groups, which are many, are in no item."""
         if item.members or item.block is None:
             return item.members
-        a, b = (self.of_group(number) for number in item.block)
+        a, b = (self.of_side(item.stage, number) for number in item.block)
         return a if a == b else [*a, *b]
 
     def locate(self, position: int) -> tuple[int, int]:

@@ -13,8 +13,8 @@ Reference = tuple[str, str]
 """(stage, key) of an artifact."""
 
 Pair = tuple[int, int]
-"""Positions of two items in the collection, the smaller first; or numbers of two groups of batches, or of a batch and a
-shard."""
+"""Positions of two items in the collection, the smaller first; or numbers of two groups of batches, of two spans of
+groups, or of a batch and a shard."""
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ class Run:
     stages: list[StageEnded] = field(default_factory=list)
 
     def stage(self, stage: Stage, items: Sequence[WorkItem]) -> None:
-        """Bring a stage's items into the store.
+        """Bring a stage's items into the store, those that read others of the stage after these.
 
         Raises `StorageError` once the store takes no more, and ``unwritable`` for the first item that it lacks.
         """
@@ -58,8 +58,7 @@ class Run:
         corrupt = sum(state is State.CORRUPT for state, _ in states.values())
         self.done |= cached.keys()
         missing = {ref: item for ref, item in unique.items() if ref not in cached}
-        ready = {ref: item for ref, item in missing.items() if self.done.issuperset(_needed(item))}
-        self.blocked |= unique.keys() - cached.keys() - ready.keys()
+        ready = self._ready(missing)
         amount = sum(stage.amount(item) for item in ready.values())
         self.listen(StageStarted(stage.name, stage.unit, len(unique), len(cached), corrupt, stage.counted, amount))
         spent: list[Receipt] = []
@@ -69,6 +68,10 @@ class Run:
                 raise self.unwritable
             executor, waited = self._executor(stage)
             spent = self._work(executor, ready)
+            while more := self._ready({ref: item for ref, item in missing.items() if ref not in ready}):
+                ready |= more
+                spent += self._work(executor, more)
+        self.blocked |= missing.keys() - ready.keys()
         ended = StageEnded(
             stage=stage.name,
             total=len(unique),
@@ -86,6 +89,9 @@ class Run:
         )
         self.stages = [*(earlier for earlier in self.stages if earlier.stage != stage.name), self._with_earlier(ended)]
         self.listen(ended)
+
+    def _ready(self, missing: Mapping[Reference, WorkItem]) -> dict[Reference, WorkItem]:
+        return {ref: item for ref, item in missing.items() if self.done.issuperset(_needed(item))}
 
     def probe(self, items: Sequence[WorkItem]) -> dict[Reference, Failure]:
         """Bring work items into the store to see which of them fail, and tell nobody; returns their failures."""

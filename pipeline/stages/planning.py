@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from pipeline.datasets.colours import may_be_coloured
 from pipeline.plan.progress import Progress
@@ -17,11 +17,14 @@ def after_each(progress: Progress, stage: str, earlier: str) -> list[WorkItem]:
     return [recipe.after(item) for item in progress.work[earlier]]
 
 
-def between_groups(progress: Progress, stage: str) -> list[WorkItem]:
-    """A work item for every two groups of batches of trunks, and each with itself; ``spec`` has its `Sides`."""
+def between_groups(progress: Progress, stage: str, spans: Sequence[range]) -> list[WorkItem]:
+    """A work item for every two of these spans of groups of batches of trunks, and each with itself.
+
+    Spans are of numbers of groups; ``spec`` has the `Sides` of a work item.
+    """
     recipe, trunks = progress.recipes[stage], progress.work["trunks"]
-    batches = [[trunks[number] for number in group] for group in progress.groups]
-    sizes = [len(progress.of_group(number)) for number in range(len(batches))]
+    batches = [[trunks[number] for group in span for number in progress.groups[group]] for span in spans]
+    sizes = [len(progress.of_span(span)) for span in spans]
     blocks = []
     for a, rows in enumerate(batches):
         for b in range(a, len(batches)):

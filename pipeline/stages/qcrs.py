@@ -73,7 +73,7 @@ def _rows(block: BlockScores) -> Artifact:
 
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for every two groups of batches, and for each group with itself."""
-    return between_groups(progress, "qcrs")
+    return between_groups(progress, "qcrs", [range(number, number + 1) for number in range(len(progress.groups))])
 
 
 def scores_all(config: Config) -> bool:

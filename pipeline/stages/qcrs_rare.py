@@ -69,8 +69,8 @@ def run(inputs: Sequence[Any], parameters: Sequence[QcrsParameters], spec: Sides
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for every two groups of batches, and for each group with itself."""
-    return between_groups(progress, "qcrs_rare")
+    """A work item for every two spans of groups, and for each with itself, as many pairs as some four other blocks."""
+    return between_groups(progress, "qcrs_rare", progress.spans[0])
 
 
 def fills_by_size(config: Config) -> bool:

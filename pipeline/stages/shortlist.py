@@ -16,8 +16,8 @@ from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.collected import Collected
 from pipeline.stages.cover import greedy_cover, groups_of
+from pipeline.stages.policies import SelectionLimits, greedy, labels
 from pipeline.stages.refine import bound
-from pipeline.stages.select import SelectionLimits, greedy, labels
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import digest_text

@@ -15,18 +15,19 @@ from pipeline.plan.work_item import Recipe, WorkItem
 from pipeline.store.artifact import AnyArray, Artifact
 from pipeline.store.keys import canonical_value
 
-Scope = Literal["batch", "block", "collection", "shape", "pair"]
-"""The extent of a work item: a batch of shapes, the pairs between two batches (or a batch and a shard), the whole
-collection, a shape, or a pair."""
+Scope = Literal["batch", "block", "part", "collection", "shape", "pair"]
+"""The extent of a work item: a batch of shapes, the pairs between two groups of batches (or a batch and a shard), a
+part of all pairs, the whole collection, a shape, or a pair."""
 
 COUNTED: Mapping[Scope, str] = {
     "batch": "shapes",
     "shape": "shapes",
     "block": "pairs",
     "pair": "pairs",
+    "part": "",
     "collection": "",
 }
-"""What a work item of each scope has several of, in the plural; of a collection there is one."""
+"""What a work item of each scope has several of, in the plural, where it is counted."""
 
 
 @dataclass(frozen=True)
@@ -175,8 +176,8 @@ class Stage:
         return self.wanted is not _always
 
     def is_due(self, items: Sequence[WorkItem]) -> bool:
-        """Whether a run goes through the stage: a run skips an optional stage of pairs that has nothing to do."""
-        return bool(items) or not (self.optional and self.scope == "pair")
+        """Whether a run goes through the stage: it skips an optional stage of pairs or parts that has nothing to do."""
+        return bool(items) or not (self.optional and self.scope in ("pair", "part"))
 
     @property
     def counted(self) -> str:

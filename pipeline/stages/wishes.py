@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pipeline.errors import StartError
-from riot.types import BoolArray, IntArray
 
 if TYPE_CHECKING:
     from pipeline.config.schema import SelectConfig
@@ -23,27 +20,6 @@ class WishedShapes:
 
     groups: tuple[tuple[int, ...], ...]
     excluded: tuple[int, ...]
-
-    def of(self, count: int) -> Callable[[IntArray, IntArray], BoolArray]:
-        """Whether pairs (i, j) of a collection of ``count`` are wished.
-
-        >>> WishedShapes(((0,),), (2,)).of(3)(np.array([0, 0, 1]), np.array([1, 2, 2])).tolist()
-        [True, False, False]
-        """
-        masks = []
-        for positions in (*self.groups, self.excluded):
-            mask = np.zeros(count, dtype=np.bool_)
-            mask[list(positions)] = True
-            masks.append(mask)
-        *groups, excluded = masks
-
-        def wished(i: IntArray, j: IntArray) -> BoolArray:
-            keep: BoolArray = ~(excluded[i] | excluded[j])
-            for group in groups:
-                keep &= group[i] | group[j]
-            return keep
-
-        return wished
 
 
 def wished_shapes(settings: SelectConfig, items: Sequence[Item]) -> WishedShapes:

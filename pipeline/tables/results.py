@@ -160,7 +160,7 @@ class Results:
                 yield _error(name, stage, item.key, failure.type, failure.reason, message, failure.attempts)
             return
         scope = BY_NAME[stage].scope
-        artifact = None if scope in ("block", "collection") else self.artifact(item)
+        artifact = None if scope in ("block", "part", "collection") else self.artifact(item)
         for row in () if artifact is None else artifact.document.get("errors", ()):
             if scope == "pair":
                 name, message = self._names(item)[0], row["message"]

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.stages import select
-from pipeline.stages.select import Block, Chosen, SelectionLimits, select_global, select_paper
+from pipeline.stages import policies
+from pipeline.stages.policies import (
+    Block,
+    Chosen,
+    SelectionLimits,
+    best_of_classes,
+    labels,
+    select_best,
+)
+from pipeline.stages.policies import select_global as select_within_limits
 
 COUNT = 12
 
@@ -54,6 +62,27 @@ def listed(chosen: Chosen, scores: np.ndarray) -> list[tuple[int, int]]:
     return [(i, j) for i, j in chosen.pairs.tolist()]
 
 
+def positive(blocks: list[Block], keep: np.ndarray) -> Iterator[Block]:
+    """The candidates: with a score, and of the shapes to keep."""
+    for i, j, score in blocks:
+        rows = (score > 0) & keep[i] & keep[j]
+        yield i[rows], j[rows], score[rows]
+
+
+def select_global(blocks: Callable[[], Iterator[Block]], classes: list[str], limits: SelectionLimits) -> Chosen:
+    label = labels(classes)
+
+    def candidates(size: int) -> tuple[Iterator[Block], bool]:
+        rows = positive(list(blocks()), np.ones(len(classes), bool))
+        return ((i[apart], j[apart], score[apart]) for i, j, score in rows for apart in (label[i] != label[j],)), False
+
+    return select_within_limits(candidates, label, limits)
+
+
+def select_paper(blocks: Iterator[Block], classes: list[str], scores: np.ndarray, top: int) -> Chosen:
+    return select_best(positive(list(blocks), best_of_classes(classes, scores)), top)
+
+
 matrices = st.lists(st.integers(0, 6), min_size=COUNT * COUNT, max_size=COUNT * COUNT).map(
     lambda values: np.array(values, dtype=float).reshape(COUNT, COUNT) / 6
 )
@@ -73,8 +102,8 @@ def test_global_is_its_definition(
 
 
 def test_a_small_pool_is_grown_until_it_suffices(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(select, "FIRST_POOL", 3)
-    monkeypatch.setattr(select, "GROWTH", 2)
+    monkeypatch.setattr(policies, "FIRST_POOL", 3)
+    monkeypatch.setattr(policies, "GROWTH", 2)
     scores = np.random.default_rng(5).random((40, 40))
     classes = [f"c{number % 4}" for number in range(40)]
     limits = SelectionLimits(18, 3, 2)
