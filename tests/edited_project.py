@@ -169,9 +169,9 @@ class Edit:
 
 
 ALL = frozenset(stage.name for stage in STAGES) - {
-    "shards", "partners", "partners_beyond", "pairs", "paper", "paint", "fabricate", "margin", "swing",
+    "shards", "partners", "partners_beyond", "pairs", "paper", "paint", "fabricate", "margin", "swing", "preselect",
 }  # fmt: skip
-"""The stages of a usual run that makes no pictures; what is made up has no transform of which a margin could be."""
+"""The stages of a usual small run without pictures; what is made up has no transform of which a margin could be."""
 OF_SHAPES = frozenset(stage.name for stage in STAGES if stage.scope == "batch")
 RATED = OF_SHAPES - {"trunks"} | {"near_duplicates", "modes"}
 """Stages that look for no trunks."""
@@ -260,8 +260,13 @@ PICTURES = [
     Edit("replaced", lambda p: p.picture("kind2-2.png", 77), ALL, "picture replaced: kind2-2.png"),
     Edit("added", lambda p: p.picture("kind1-99.png", 99), ALL, "picture added: kind1-99.png"),
     Edit("removed", lambda p: p.picture("kind2-2.png", None), ALL, "picture removed: kind2-2"),
-    # Alone in its batch: the blocks of the others stay, and the first to be another is the selection.
-    Edit("removed alone", lambda p: p.picture("kind0-0.png", None), ALL - STATIC, "picture removed: kind0-0"),
+    # Alone in its batch: the blocks of the others stay, but for the rare ones, which have several batches on a side.
+    Edit(
+        "removed alone",
+        lambda p: p.picture("kind0-0.png", None),
+        ALL - STATIC | {"qcrs_rare"},
+        "picture removed: kind0-0",
+    ),
 ]
 
 EDITS = [*CODE, *PARAMETERS, *LIBRARIES, *PICTURES]

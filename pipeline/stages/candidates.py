@@ -54,7 +54,7 @@ class Shapes:
     def digest(self) -> str:
         """A digest that does not depend on the other shapes of the collection."""
         _, first, number = np.unique(self.label, return_index=True, return_inverse=True)
-        return digest_text("".join(map(digest_array, (first[number], self.wishes, np.array(self.needed)))))
+        return digest_text(digest_array(first[number]) + digest_array(self.wishes) + str(self.needed))
 
     def admit(self, i: IntArray, j: IntArray) -> BoolArray:
         """Whether pairs may be selected: shapes of different classes, and as the user wishes."""

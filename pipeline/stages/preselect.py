@@ -68,13 +68,13 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Part) -> Ar
     if policy == "varied":
         best = best_rows(rows, spec.count, size)
     else:
-        (i, j, score), cut = best_pairs((block[:3] for block in rows), first_pool(size))
-        best = Rows(i, j, score, np.zeros(len(i), np.int64))
+        (first, second, score), cut = best_pairs((block[:3] for block in rows), first_pool(size))
+        best = Rows(first, second, score, np.zeros(len(score), np.int64))
         if spec.between is None:
             cut = cut or any(part.document["cut"] for part in inputs[:end])
-    columns = {"i": best.i.astype(np.int32), "j": best.j.astype(np.int32), "n": best.n.astype(np.int16)}
+    i, j, n = best.i.astype(np.int32), best.j.astype(np.int32), best.n.astype(np.int16)
     qcrs = qcrs_of(best.i, best.j, spec.blocks, blocks)
-    return Artifact({**columns, "score": best.score, "qcrs": qcrs}, {"cut": bool(cut)})
+    return Artifact({"i": i, "j": j, "n": n, "score": best.score, "qcrs": qcrs}, {"cut": bool(cut)})
 
 
 def _rows(
@@ -149,11 +149,13 @@ def _between(
     """A part of the first level."""
     here = _positions(progress, sides)
     (scored, starts), (rare, of_rare) = (_inside(progress, sides, level, of_part=False) for level in blocks)
-    batches = {}
-    for side, number in dict(
-        zip(here, (0, len(here[0])), strict=True) if here[0] != here[1] else [(here[0], 0)]
-    ).items():
-        batches |= {item.members[0] - side.start + number: item for item in ingest if item.members[0] in side}
+    numbered = dict(zip(here, (0, len(here[0])), strict=True)) if here[0] != here[1] else {here[0]: 0}
+    batches = {
+        item.members[0] - side.start + number: item
+        for side, number in numbered.items()
+        for item in ingest
+        if item.members[0] in side
+    }
     positions = tuple(dict.fromkeys(here)) if things else ()
     between = Between(shapes.at(*here), tuple(batches), positions)
     what = between.shapes.digest(), between.read, positions

@@ -127,7 +127,8 @@ def items(progress: Progress) -> list[WorkItem]:
     spec = Selecting(
         progress.classes,
         tuple(batch.start for batch in progress.batches),
-        *(tuple(start for _, start in inputs) for inputs in (blocks, rare)),
+        tuple(start for _, start in blocks),
+        tuple(start for _, start in rare),
         tuple(rated),
         bool(things),
         wished_shapes(progress.config.select, progress.items),
