@@ -7,7 +7,7 @@ from collections.abc import Collection
 from dataclasses import fields
 
 from riot.cli.parser import Parser
-from riot.cli.profiles import profile
+from riot.cli.profiles import profile, shipped_in_words
 from riot.parameters import FabricationParameters
 from riot.parameters.fabrication import PIVOTS
 from riot.parameters.field import describe
@@ -18,8 +18,9 @@ def add_sizes(parser: Parser, without: Collection[str] = ()) -> None:
     parser.parameter_option(
         "--profile",
         "profile",
-        metavar="NAME",
-        help="parameters of a machine: prusa-mini, prusa-mk3s, ender-3, or one of your own in makers.toml",
+        metavar="NAME[,NAME]",
+        help="parameters of a machine, of a laser and its material (k40,plywood-3mm), or your own in makers.toml; "
+        f"there are {shipped_in_words()}",
     )
     for field in fields(FabricationParameters):
         if field.name in without:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import resources
 from pathlib import Path
 
 import pytest
@@ -71,7 +72,7 @@ class TestCommand:
         self, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
         assert main(["coupon", "-o", str(tmp_path / "out"), "--profile", "etch-a-sketch"]) == 2
-        assert "prusa-mini, prusa-mk3s, ender-3" in capsys.readouterr().err
+        assert "choose of prusa-mini, prusa-mk3s, ender-3" in capsys.readouterr().err
 
 
 def test_own_profiles_go_before_shipped_ones(tmp_path: Path) -> None:
@@ -82,13 +83,33 @@ def test_own_profiles_go_before_shipped_ones(tmp_path: Path) -> None:
     for name, words in (("odd", r"\[odd\] sets speed; parameters are"), ("twist", "choose one of printed, filament")):
         with pytest.raises(FormatError, match=words):
             profiles.profile(name, own)
-    with pytest.raises(ParameterError, match=r"there is no 'none'; choose one of prusa-mini"):
+    with pytest.raises(ParameterError, match=r"there is no 'none'; choose of prusa-mini"):
         profiles.profile("none", own)
     own.write_text("[ender-3\n")
     with pytest.raises(FormatError, match="is no TOML"):
         profiles.profile("ender-3", own)
 
 
-@pytest.mark.parametrize("name", ["prusa-mini", "prusa-mk3s", "ender-3"])
-def test_shipped_profiles_are_parameters(name: str, tmp_path: Path) -> None:
-    assert FabricationParameters(**profiles.profile(name, tmp_path / "none.toml")).bed_width_mm >= 180.0
+def test_profiles_of_a_laser_and_its_material_go_together(tmp_path: Path) -> None:
+    own = tmp_path / "makers.toml"
+    own.write_text("[measured]\nkerf_mm = 0.12\n")
+    assert profiles.profile("k40,plywood-3mm,measured", own) == {
+        "bed_width_mm": 310,
+        "bed_depth_mm": 210,
+        "sheet_mm": 3.0,
+        "kerf_mm": 0.12,
+    }
+    with pytest.raises(ParameterError, match="there is no ' plywood-3mm'"):
+        profiles.profile("k40, plywood-3mm", own)
+
+
+@pytest.mark.parametrize("name", profiles.shipped_profiles())
+def test_shipped_profiles_are_parameters_with_sources(name: str, tmp_path: Path) -> None:
+    kind = profiles.shipped_profiles()[name]["kind"]
+    values = profiles.profile(name, tmp_path / "none.toml")
+    assert FabricationParameters(**values)
+    wanted = {"sheet_mm", "kerf_mm"} if kind == "material" else {"bed_width_mm", "bed_depth_mm"}
+    assert wanted <= set(values) and kind in profiles.KINDS
+    text = (resources.files("riot.cli") / profiles.FILE).read_text(encoding="utf-8")
+    source = text.split(f"[{name}]\n")[1].splitlines()[0]
+    assert source.startswith(("# https://", "# The same"))
