@@ -12,6 +12,7 @@ from studio.live.session import LiveSession, problem
 from studio.live.view import documents
 from studio.messages import Pieces, Side
 from studio.session.state import State
+from studio.work.answer import Answer
 from studio.work.reading import ShapeFile, is_transform, open_transform, read_shape
 from studio.work.search import best_transform, first_transform
 
@@ -98,6 +99,7 @@ async def _found(session: LiveSession, state: State, seq: int) -> None:
     started, current = time.perf_counter(), state
     await session.tabs.tell(news.Progress(seq, "transform", "looking for a transform", 0, 2))
     failure: RiotError | None = None
+    draft: Answer | None = None
     steps = (first_transform,) if state.weight is None else (first_transform, best_transform)
     for done, find in enumerate(steps, start=1):
         try:
@@ -111,8 +113,11 @@ async def _found(session: LiveSession, state: State, seq: int) -> None:
             session.view.keep(answer.shown)
             await session.commit(session.history.settled(current, answer.state), seq)
             current = answer.state
-            await session.show(seq, started, answer, draft=done < len(steps))
+            draft = answer if done < len(steps) else None
+            await session.show(seq, started, answer, draft=draft is not None)
         await session.tabs.tell(news.Progress(seq, "transform", "bending both shapes a little", done, len(steps)))
+    if draft is not None:  # what was shown soon is the best there is
+        await session.show(seq, started, draft, draft=False)
     if current.shown is not None:
         await session.plan_motion(current.shown)
     elif failure is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
+from websockets.exceptions import WebSocketException
 
 from riot.errors import FormatError
 from studio.live import news
@@ -29,7 +30,10 @@ async def connect(websocket: WebSocket) -> None:
 
     async def send(data: bytes) -> None:
         async with turn:
-            await websocket.send_text(data.decode("utf-8"))
+            try:
+                await websocket.send_text(data.decode("utf-8"))
+            except (WebSocketDisconnect, WebSocketException) as error:
+                raise ConnectionError("the tab is closed") from error
 
     try:
         await session.join(send)
@@ -37,7 +41,7 @@ async def connect(websocket: WebSocket) -> None:
         while True:
             text = await websocket.receive_text()
             await _answer(session, text, send)
-    except WebSocketDisconnect:
+    except (WebSocketDisconnect, ConnectionError):
         pass
     finally:
         session.tabs.remove(send)

@@ -9,16 +9,16 @@ import numpy as np
 import shapely
 from msgspec import structs
 
-from riot.construction.bend import bend_plan
+from riot.construction.contact import require_plan_cells
 from riot.construction.dissected_plan import dissect_plan
 from riot.construction.drawn_lines import add_line, pull
 from riot.construction.pins import Pin as GeometryPin
 from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_transform import construct_plan, construct_plans
 from riot.construction.refine import refine
-from riot.construction.replan import plan_of, unbent_plan, with_corner
-from riot.errors import ConstructionError, PinError, TrunkError
-from riot.parameters import BendParameters, ConstructParameters, RefineParameters
+from riot.construction.replan import plan_of, with_corner
+from riot.errors import ConstructionError, PinError
+from riot.parameters import ConstructParameters, RefineParameters
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 from studio.messages import (
@@ -39,17 +39,9 @@ from studio.messages import (
 )
 from studio.session.state import Pin, State, StiffRegion
 from studio.work.answer import Answer, draft, kept, timed
+from studio.work.bent_plans import draft_bent, exact_bent, unbent
 from studio.work.material import Files, back, dissected, pins_of, side_pins, transform
-from studio.work.search import best_transform, both_modes, found_plans
-
-DRAFT_BEND = BendParameters(method="elastic", contact=4.0, sketch_steps=8, steps=0, turns=0)
-"""A bend that is answered while a slider is dragged. As one plan is bent, contact weighs more than where many are."""
-
-EXACT_BEND = BendParameters(method="elastic", contact=4.0, steps=24)
-"""A bend that is answered when it is released: half the steps of a search, on one plan, in half a second."""
-
-BEND_REFINEMENT = RefineParameters(lines=64)
-"""Scanlines of the bound while one plan is bent: half of a search's."""
+from studio.work.search import bent_soon, found_plans
 
 DIGITS = 9
 """Decimals of pins and regions that are kept: a millionth of a pixel."""
@@ -182,19 +174,19 @@ def _based(state: State, base: Transform, shown: Transform | None, as_root: bool
 
 def _bent(state: State, files: Files, quick: bool) -> Answer:
     """Bend the root's trunks and shapes as the state says."""
-    plan = _unbent(state, files)
     if state.weight is None:
-        return _unbent_answer(state, plan, files, quick)
-    bend = replace(DRAFT_BEND if quick else EXACT_BEND, weight=state.weight)
+        return _unbent_answer(state, unbent(state, files), files, quick)
+    drafted = draft_bent(state, files)
+    if quick:
+        return _planned(state, drafted, False, quick)
     try:
-        return _planned(state, bend_plan(plan, *both_modes(state, files), bend, BEND_REFINEMENT).plan, False, quick)
+        require_plan_cells(drafted, ConstructParameters())
+        return _planned(state, exact_bent(state, files), False, quick)
     except PinError:
         raise
     except ConstructionError:
-        if quick:
-            raise
-    # These trunks fall apart when they are bent so: take the best that do not.
-    found = best_transform(state, files)
+        # These trunks fall apart when they are bent so: take others that do not.
+        found = bent_soon(state, files)
     answer = _pinned(found.state, {**files, found.shown.digest: found.shown.text}, quick)
     return replace(answer, others=(found.shown,))
 
@@ -210,15 +202,6 @@ def _unbent_answer(state: State, plan: ConstructionPlan, files: Files, quick: bo
         pins = pins_of(state, base)
         shown = dissect_plan(plan_of(base), ConstructParameters()).transform(pins) if pins else None
         return _answer(state, shown or base, True) if quick else _based(state, base, shown, False)
-
-
-def _unbent(state: State, files: Files) -> ConstructionPlan:
-    """The root's trunks on the inputs; the best trunks there are if those cannot be had without the bend."""
-    assert state.root is not None
-    try:
-        return unbent_plan(plan_of(transform(files, state.root)), RefineParameters().bound_lines)
-    except (ConstructionError, TrunkError):
-        return found_plans(state, files)[0]
 
 
 def _stiffened(state: State, side: Side, regions: tuple[StiffRegion, ...], files: Files, quick: bool) -> Answer:

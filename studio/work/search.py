@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from msgspec import structs
 
 from riot.construction.bend import bend_plan, bend_plans, is_near
@@ -26,6 +28,13 @@ MOST = 16
 """So many alternatives are constructed at most."""
 
 
+SOON = BendParameters(method="elastic", contact=4.0, sketched=3, sketch_steps=8, finished=0, steps=0, turns=0, judged=3)
+"""A bend of a few plans, in a quarter of the time of a whole search. Contact weighs more: fewer plans fall apart."""
+
+SOON_REFINEMENT = RefineParameters(lines=64)
+"""Scanlines of the bound for that: half of a search's."""
+
+
 def bending(state: State) -> BendParameters | None:
     """How shapes are bent in this state; None for not at all."""
     return None if state.weight is None else BendParameters(method="elastic", weight=state.weight)
@@ -33,16 +42,33 @@ def bending(state: State) -> BendParameters | None:
 
 @timed
 def first_transform(state: State, files: Files) -> Answer:
-    """The transform that needs no bend: quick, to be seen at once. Raises TrunkError, ConstructionError."""
-    return _chosen(state, construct_plans(found_plans(state, files), [], ConstructParameters()))
+    """A transform to be seen at once: without a bend, or bent a little if no trunks will do without.
+
+    Raises TrunkError, ConstructionError.
+    """
+    try:
+        return _chosen(state, construct_plans(found_plans(state, files), [], ConstructParameters()))
+    except ConstructionError:
+        if state.weight is None:
+            raise
+    return bent_soon(state, files)
+
+
+def bent_soon(state: State, files: Files) -> Answer:
+    """The best transform of a few plans that are bent a little. Raises TrunkError, ConstructionError."""
+    assert state.weight is not None
+    plans, bend = found_plans(state, files), replace(SOON, weight=state.weight)
+    bent = bend_plans(plans, *both_modes(state, files), bend, SOON_REFINEMENT)
+    return _chosen(state, construct_bent(bent, plans, [], bend, ConstructParameters()))
 
 
 @timed
 def best_transform(state: State, files: Files) -> Answer:
     """The transform that `riot make` would make. Raises TrunkError, ConstructionError."""
-    plans, bend = found_plans(state, files), bending(state)
+    bend = bending(state)
     if bend is None:
         return first_transform(state, files)
+    plans = found_plans(state, files)
     bent = bend_plans(plans, *both_modes(state, files), bend)
     return _chosen(state, construct_bent(bent, plans, [], bend, ConstructParameters()))
 

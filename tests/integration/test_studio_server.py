@@ -225,6 +225,19 @@ def test_two_shapes_become_a_transform_that_edits_change_and_undo_brings_back(cl
         assert tab.ask("session", type="redo")["transform"] == kept["scene"]["id"]
 
 
+def test_shapes_that_must_be_bent_show_a_draft_soon_and_then_the_best(client: TestClient, session: str) -> None:
+    with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
+        tab = Tab(socket)
+        for side, path in (("p", "M0 5H4V4H1V0H0Z"), ("q", "M0 5H5V4H3V0H2V4H0Z")):
+            put(client, session, side, f'<svg xmlns="http://www.w3.org/2000/svg"><path d="{path}"/></svg>')
+        drafted = tab.until("transform", "problem")
+        assert drafted["type"] == "transform" and drafted["draft"] and "bent" in drafted["scene"]["p"]
+        assert drafted["scene"]["certificate"]["passed"]
+        best = tab.until("transform", "problem")
+        assert not best["draft"] and best["scene"]["certificate"]["passed"]
+        tab.until("motion")
+
+
 def test_what_cannot_be_is_told_with_the_place_and_changes_nothing(client: TestClient, session: str) -> None:
     with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
         tab = Tab(socket)
