@@ -57,7 +57,8 @@ class Figures:
 
     ``hinges`` is the greatest share of a piece that its hinges take, ``overhang`` the greatest lean of a layer over the
     one below in degrees, ``bridge`` the longest bridge, ``press`` the least interference of a pin. ``gap`` is the least
-    found among samples of the motion, ``proven`` what is proven at every moment. ``solids`` is the greatest number of
+    found among samples of the motion, ``proven`` what is proven at every moment, ``placed`` the least in space between
+    pieces that are printed in place. ``solids`` is the greatest number of
     connected components of one part.
     """
 
@@ -75,6 +76,7 @@ class Figures:
     gap: float = float("nan")
     proven: float = float("nan")
     overlap: float = float("nan")
+    placed: float = float("nan")
     telescopes: int = 0
     seconds: float = float("nan")
     file_error: float = float("nan")
@@ -137,6 +139,7 @@ def measured(name: str, transform: Transform, parameters: FabricationParameters,
         certificate.motion.gap,
         certificate.motion.floor if certificate.motion.proven else float("nan"),
         certificate.motion.overlap,
+        float("nan") if certificate.placement is None else certificate.placement.gap,
         len(puzzle.design.motion.lifted),
         spent,
         file_error(puzzle) if certificate.passed else float("nan"),
@@ -160,7 +163,8 @@ def file_error(puzzle: BuiltPuzzle) -> float:
             [flat_files],
         )
         volumes = {solid_part.name: solid_part.volume for solid_part in puzzle.parts}
-        meshes = [(name, trimesh.load_mesh(folder / f"{name}.stl")) for name in volumes]
+        volumes["chain"] = sum(volumes[piece.name] for piece in puzzle.design.pieces)
+        meshes = [(path.stem, trimesh.load_mesh(path)) for path in sorted(folder.glob("*.stl"))]
         for plate in sorted(folder.glob("*.3mf")):
             meshes += trimesh.load_scene(plate).geometry.items()
         solids = [abs(mesh.volume / volumes[name] - 1.0) if mesh.is_watertight else np.inf for name, mesh in meshes]

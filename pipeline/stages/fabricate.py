@@ -95,7 +95,7 @@ def _measured(puzzle: BuiltPuzzle) -> dict[str, Any]:
         "proven_gap": motion.floor if motion.proven else None,
         "overlap": motion.overlap,
         "poses": motion.poses,
-        "pin_hinges": sum(pin.count for pin in design.pins),
+        "pin_hinges": sum(piece.start.kind == "pin" for piece in design.pieces),
         "telescopic_hinges": design.sleeves,
         "warnings": list(design.warnings),
     }

@@ -33,7 +33,8 @@ def add_sizes(parser: Parser, without: Collection[str] = ()) -> None:
                 field.name,
                 choices=tuple(PIVOTS),
                 help="what the hinges turn on: printed pins, lengths of 1.75 mm filament or of a 3 mm steel rod with "
-                "printed caps, or M3 screws of 10 mm with nuts; default printed",
+                "printed caps, M3 screws of 10 mm with nuts, or cones printed in place; default "
+                "printed",
             )
         else:
             parser.parameter_option(

@@ -14,12 +14,14 @@ from dataclasses import dataclass, replace
 
 from riot.errors import FabricationError
 from riot.fabricate.design import design
-from riot.fabricate.hinge_check import HingeCheck, check_hinges
+from riot.fabricate.hinge_check import check_hinges
+from riot.fabricate.hinge_record import HingeCheck
+from riot.fabricate.in_place import PlacementCheck, check_placement
 from riot.fabricate.model import Design
 from riot.fabricate.motion_check import MotionCheck, check_motion
-from riot.fabricate.part_check import PartCheck, check_part
+from riot.fabricate.part_check import PartCheck, check_part, thinner_pin
 from riot.fabricate.solid import Part, make_parts
-from riot.fabricate.tuning import FILAMENT_MM, GREATEST_WALL_MM, SIZE_FACTOR, WALL_STEP_MM
+from riot.fabricate.tuning import GREATEST_WALL_MM, SIZE_FACTOR, WALL_STEP_MM
 from riot.parameters import FabricationParameters, allowed_range
 from riot.transform.transform import Transform
 
@@ -34,12 +36,13 @@ class FabricationCertificate:
     parts: tuple[PartCheck, ...]
     hinges: tuple[HingeCheck, ...]
     motion: MotionCheck
+    placement: PlacementCheck | None = None
 
     @property
     def failures(self) -> tuple[str, ...]:
         """Messages of the checks that fail: each names the part or hinge, the pose, and the parameter that mends it."""
-        check_failures = [check.failures for check in self.parts] + [check.failures for check in self.hinges]
-        return tuple(words for of_check in (*check_failures, self.motion.failures) for words in of_check)
+        checks = (*self.parts, *self.hinges, self.motion, self.placement)
+        return tuple(words for check in checks if check is not None for words in check.failures)
 
     @property
     def passed(self) -> bool:
@@ -73,12 +76,7 @@ class FabricationCertificate:
 
     def words(self) -> list[str]:
         """Describe each hinge and the motion, one line for each."""
-        lines = [
-            f"hinge {check.hinge}: {check.kind}, {check.axial_gap:.2f} mm along the axis, {check.turning_gap:.2f} mm "
-            f"around it{'' if check.interference is None else f', pressed in by {check.interference:.2f} mm'}; "
-            f"{'stops' if check.kind == 'telescopic' else 'held'} after {check.pull:.1f} mm"
-            for check in self.hinges
-        ]
+        lines = [check.words for check in self.hinges]
         lines.append(
             f"prints without supports: overhangs up to {self.overhang:.0f}°, "
             f"{f'bridges up to {self.bridge:.1f} mm' if self.bridge else 'no bridges'}"
@@ -89,6 +87,11 @@ class FabricationCertificate:
         motion = self.motion
         proof = f"proven at every moment ({motion.examined} poses of two pieces)" if motion.proven else "not proven"
         lines.append(f"motion: pieces keep {motion.floor:.3f} mm apart, {proof}; least gap found {motion.gap:.3f} mm")
+        if self.placement is not None:
+            lines.append(
+                f"printed in place: {self.placement.solids} solids on the bed, {self.placement.gap:.3f} mm apart or "
+                f"more, {self.placement.common:.2g} mm³ in common at most"
+            )
         lines.append(f"solids cut with each other at {motion.poses} poses: {motion.overlap:.2g} mm³ in common at most")
         return lines
 
@@ -100,6 +103,7 @@ def certify(design: Design, parts: tuple[Part, ...] | None = None) -> Fabricatio
         tuple(check_part(part, design) for part in parts),
         check_hinges(design, parts),
         check_motion(design, parts),
+        None if design.placement is None else check_placement(design, parts),
     )
 
 
@@ -170,8 +174,9 @@ def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) 
     if error.parameter == "wall_mm":
         wall = round(tried.wall_mm + WALL_STEP_MM, 3)
         return replace(tried, wall_mm=wall) if wall <= GREATEST_WALL_MM else None
-    if tried.pin_mm > FILAMENT_MM:
-        return replace(tried, pin_mm=FILAMENT_MM, pivot="rod")
+    thin = thinner_pin(tried)
+    if thin is not None:
+        return thin
     greatest = allowed_range(FabricationParameters, "size_mm")[1]
     if not enlarge or tried.size_mm >= greatest:
         return None

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from shapely import affinity
 
-from riot.fabricate.model import HingeEnd, PieceDesign, filled, polygons
+from riot.fabricate.model import HingeEnd, PieceDesign, Slab, filled, polygons
 from riot.fabricate.outlines import disc, polygons_by_area, subtract
 from riot.fabricate.sub_chains import SubChain, moving, sub_chain_at
 from riot.fabricate.tuning import (
@@ -128,14 +128,14 @@ def proven(motion: Motion, sub_chain: SubChain, regions: Regions, floor: float) 
 def proven_at_hinge(motion: Motion, before: PieceDesign, after: PieceDesign, floor: float) -> Proof:
     """Whether two pieces on one pin hinge stay ``floor`` mm or more apart wherever both have something at one height.
 
-    Their knuckles, and the room for them, count as they are.
+    Their knuckles, and the room for them, count as they are. A pin in its socket is the hinge's check.
     """
     sections = {
         (first.wkb, second.wkb): [first, second]
-        for below in before.slabs
-        for above in after.slabs
-        if min(below.high, above.high) - max(below.low, above.low) > HEIGHT_TOLERANCE_MM
-        for first, second in [(filled(below.section), filled(above.section))]
+        for one in before.slabs
+        for other in after.slabs
+        if min(one.high, other.high) - max(one.low, other.low) > HEIGHT_TOLERANCE_MM
+        for first, second in [(_without_pin(one, before.end), _without_pin(other, after.start))]
     }
     examined = 0
     for pair in sections.values():
@@ -145,6 +145,14 @@ def proven_at_hinge(motion: Motion, before: PieceDesign, after: PieceDesign, flo
         if not proof.complete:
             return Proof(False, proof.time, examined)
     return Proof(True, 1.0, examined)
+
+
+def _without_pin(slab: Slab, end: HingeEnd) -> shapely.Geometry:
+    """A layer with its holes filled, without a pin that is within a socket."""
+    region = filled(slab.section)
+    if slab.high > end.captive + HEIGHT_TOLERANCE_MM:
+        return region
+    return region.difference(disc(end.x, end.y, end.radius, outside=True))
 
 
 def _proven(motion: Motion, hinges: IntArray, regions: Regions, floor: float) -> Proof:

@@ -12,6 +12,7 @@ from itertools import pairwise
 import shapely
 from shapely import affinity
 
+from riot.errors import FabricationError
 from riot.fabricate.export.engraving import letters
 from riot.fabricate.layers import rings_slabs
 from riot.fabricate.model import Slab
@@ -42,6 +43,8 @@ def coupon(parameters: FabricationParameters) -> tuple[Part, ...]:
     >>> [(part.name, part.count) for part in coupon(FabricationParameters())][:2]
     [('bar', 1), ('arm-15', 1)]
     """
+    if parameters.pivot == "in-place":
+        raise FabricationError("pivot", "pivot: there is no test piece of hinges in place yet: choose another pivot")
     pivot = make_pivot(replace(parameters, clearance_mm=CLEARANCES_MM[-1]))
     radius, pitch = pivot.radius, 2.0 * pivot.radius + _SPACE_MM
     bars = []

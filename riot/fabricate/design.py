@@ -13,10 +13,13 @@ import shapely
 
 from riot.errors import FabricationError as FabricationError
 from riot.fabricate.clearance import shaved
+from riot.fabricate.cones import eaves
 from riot.fabricate.layers import make_slabs
 from riot.fabricate.model import Design, HingeEnd, HingePin, Kind, PieceDesign, Role
 from riot.fabricate.outlines import corner_angle, make_outline, narrowest, widening_parameter
 from riot.fabricate.pivot import Pivot, knuckle_radius, make_pivot
+from riot.fabricate.printing_pose import printing_pose, refuse_lifts
+from riot.fabricate.rings import Ring
 from riot.fabricate.sub_chains import sub_chains
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Telescope, make_telescope
@@ -54,6 +57,8 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
     side = max(extent(transform.outline_p()), extent(transform.outline_q()))
     scale = parameters.size_mm / side
     motion = _motion(transform, parameters, scale)
+    if parameters.pivot == "in-place":
+        refuse_lifts(motion)
     telescope = make_telescope(parameters) if motion.lifted else None
     count = len(transform) - 1 - len(motion.lifted)
     pivot = make_pivot(parameters) if count else None
@@ -71,8 +76,15 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
         piece_design = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], parameters)
         pieces.append(piece_design)
         warnings += _weaknesses(piece_design, raw[i], parameters)
-    pins = () if pivot is None else (HingePin(parameters.pivot, parameters.pin_mm, pivot.length, count),)
-    return Design(transform, parameters, scale, motion, tuple(pieces), pins, pivot, telescope, tuple(warnings))
+    pins: tuple[HingePin, ...] = ()
+    if pivot is not None and parameters.pivot != "in-place":
+        pins = (HingePin(parameters.pivot, parameters.pin_mm, pivot.length, count),)
+    placement = None
+    if parameters.pivot == "in-place":
+        placement = printing_pose(tuple(pieces), motion, parameters, scale)
+    return Design(
+        transform, parameters, scale, motion, tuple(pieces), pins, pivot, telescope, tuple(warnings), placement
+    )
 
 
 def _motion(transform: Transform, parameters: FabricationParameters, scale: float) -> Motion:
@@ -139,8 +151,12 @@ def _end(
         assert pivot is not None
         (low, high), radius = parameters.levels, pivot.radius
         rings = pivot.lower if role == "lower" else pivot.upper
-    relief = (low, parameters.height) if role == "lower" else (0.0, high)
-    return HingeEnd(hinge, kind, role, x, 0.0, rings, (relief,), radius + parameters.gap_mm + OUTLINE_SPARE_MM)
+    room = radius + parameters.gap_mm + OUTLINE_SPARE_MM
+    if parameters.pivot == "in-place" and role == "upper":
+        relief = eaves(parameters, room)
+        return HingeEnd(hinge, kind, role, x, 0.0, rings, relief, room, relief[0].high)
+    relief = (Ring(low, parameters.height, room) if role == "lower" else Ring(0.0, high, room),)
+    return HingeEnd(hinge, kind, role, x, 0.0, rings, relief, room)
 
 
 def _piece(
@@ -159,7 +175,7 @@ def _piece(
         *ends,
         make_slabs(index, body, ends, parameters),
         1.0 - float(body.area) / float(outline.area),
-        any(end.role == "upper" for end in ends),
+        any(end.role == "upper" and not end.captive for end in ends),
     )
 
 

@@ -6,12 +6,15 @@ The check measures layers and solids; it does not trust how the design made them
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from functools import partial
 from itertools import combinations
 
 import shapely
 
 from riot.errors import needs_extra
+from riot.fabricate.captive_check import check_captive
+from riot.fabricate.hinge_record import HingeCheck
 from riot.fabricate.model import Design, HingeEnd, PieceDesign, Slab
 from riot.fabricate.outlines import disc
 from riot.fabricate.rings import Ring
@@ -35,35 +38,16 @@ with needs_extra("print"):
     import manifold3d
 
 
-@dataclass(frozen=True)
-class HingeCheck:
-    """One hinge: mm.
-
-    ``axial_gap`` is the gap between its knuckles, or between cap and barrel, along the axis; ``turning_gap`` that in
-    radius between the pin and the knuckle that turns on it, or the least between the cylinders of a telescopic hinge;
-    ``interference`` how much thicker the pin is than the hole that holds it, None where a nut or nothing does;
-    ``pull`` how far the two pieces can be pulled apart along the axis until the pin's head, or a ledge, stops them.
-    """
-
-    hinge: int
-    kind: str
-    axial_gap: float
-    turning_gap: float
-    interference: float | None
-    pull: float
-    failures: tuple[str, ...] = field(default=())
-
-
 def check_hinges(design: Design, parts: tuple[Part, ...]) -> tuple[HingeCheck, ...]:
     """Verify every hinge that joins two pieces."""
-    n = len(design.pieces)
-    return tuple(
-        _check_pin(design, design.pieces[hinge - 1], design.pieces[hinge])
-        if design.pieces[hinge].start.kind == "pin"
-        else _check_telescope(design, hinge, parts)
-        for hinge in range(n)
-        if design.pieces[hinge].start.kind != "open"
-    )
+    checks = []
+    for before, after in zip((design.pieces[-1], *design.pieces), design.pieces, strict=False):
+        if after.start.kind == "telescopic":
+            checks.append(_check_telescope(design, after.index, parts))
+        elif after.start.kind == "pin":
+            check = _check_pin if design.pins else partial(check_captive, parts)
+            checks.append(check(design, before, after))
+    return tuple(checks)
 
 
 def _check_pin(design: Design, before: PieceDesign, after: PieceDesign) -> HingeCheck:

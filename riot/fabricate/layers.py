@@ -23,8 +23,7 @@ def make_slabs(
     """
     heights = {0.0, parameters.height}
     for end in ends:
-        heights |= {z for ring in end.rings for z in (ring.low, ring.high)}
-        heights |= {z for interval in end.relief for z in interval}
+        heights |= {z for ring in (*end.rings, *end.relief) for z in (ring.low, ring.high)}
     levels = sorted({round(z, HEIGHT_DIGITS) for z in heights})
     cells = _cells(body, ends)
     slabs = tuple(Slab(low, high, _section(cells, body, ends, 0.5 * (low + high))) for low, high in pairwise(levels))
@@ -35,8 +34,7 @@ def _cells(body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd]) -> list[shape
     """The regions between all lines of all levels: so levels share points wherever they share a line."""
     regions: list[shapely.Polygon] = [body]
     for end in ends:
-        if end.relief:
-            regions.append(_relief_disc(end))
+        regions += [_relief_of(end, ring) for ring in end.relief]
         regions += [_disc_of(end, ring) for ring in end.rings]
         regions += [_hole_of(end, ring) for ring in end.rings if ring.hole > 0.0]
         regions += [_slit_of(end, ring) for ring in end.rings if ring.slit > 0.0]
@@ -48,7 +46,7 @@ def _section(
     cells: list[shapely.Polygon], body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd], height: float
 ) -> shapely.Geometry:
     """A level cut of a piece."""
-    reliefs = [_relief_disc(end) for end in ends if any(low < height < high for low, high in end.relief)]
+    reliefs = [_relief_of(end, ring) for end in ends for ring in end.relief if ring.low < height < ring.high]
     rings = [(end, ring) for end in ends for ring in end.rings if ring.low < height < ring.high]
     discs = [_disc_of(end, ring) for end, ring in rings]
     empty = [_hole_of(end, ring) for end, ring in rings if ring.hole > 0.0]
@@ -63,8 +61,8 @@ def _section(
     return shapely.union_all(solid)
 
 
-def _relief_disc(end: HingeEnd) -> shapely.Polygon:
-    return disc(end.x, end.y, end.relief_radius, outside=True)
+def _relief_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:
+    return disc(end.x, end.y, ring.radius, outside=True)
 
 
 def _disc_of(end: HingeEnd, ring: Ring) -> shapely.Polygon:

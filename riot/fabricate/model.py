@@ -39,10 +39,12 @@ class HingeEnd:
         The axis in the piece's frame, mm.
     rings : tuple of Ring
         The knuckle, or the barrel, or the rod and its cap.
-    relief : tuple of (float, float)
-        Heights between which the piece makes room for its neighbour's knuckles, mm.
+    relief : tuple of Ring
+        The room that the piece makes for its neighbour's knuckles.
     relief_radius : float
-        Of that room, mm.
+        Of that room where it is widest, mm.
+    captive : float
+        Height up to which the piece has only a pin here, in the socket of the other piece, mm; 0 where it has none.
     """
 
     hinge: int
@@ -51,8 +53,9 @@ class HingeEnd:
     x: float
     y: float
     rings: tuple[Ring, ...]
-    relief: tuple[tuple[float, float], ...]
+    relief: tuple[Ring, ...]
     relief_radius: float
+    captive: float = 0.0
 
     @property
     def radius(self) -> float:
@@ -140,6 +143,21 @@ class HingePin:
     count: int
 
 
+@dataclass(frozen=True)
+class Placement:
+    """The pose in which a chain is printed in place.
+
+    ``time`` is the motion's; ``turn`` (radians, about the pose's origin) lays the box around it straight, ``width`` by
+    ``depth`` mm, the longer first; ``gap`` is the least between two pieces, mm, `GAP_CAP_MM` or more if it is wider.
+    """
+
+    time: float
+    turn: float
+    width: float
+    depth: float
+    gap: float
+
+
 @dataclass(frozen=True, eq=False)
 class Design:
     """A puzzle to be made.
@@ -162,6 +180,8 @@ class Design:
         The telescopic hinges, if the motion lifts any.
     warnings : tuple of str
         What is weak or lost; nothing that stops the puzzle from being made.
+    placement : Placement or None
+        How the chain lies on the bed if it is printed in place.
     """
 
     transform: Transform
@@ -173,11 +193,17 @@ class Design:
     pivot: Pivot | None
     telescope: Telescope | None
     warnings: tuple[str, ...]
+    placement: Placement | None = None
 
     @property
     def sleeves(self) -> int:
         """How many sleeves of telescopic hinges there are."""
         return len(self.motion.lifted)
+
+    @property
+    def stackable(self) -> bool:
+        """Whether all its hinges are knuckles on knuckles, which can be stacked from sheets."""
+        return self.telescope is None and self.placement is None
 
     @property
     def lift(self) -> float:

@@ -158,7 +158,8 @@ def placed_parts(design: Design, parts: tuple[Part, ...], t: float) -> list[tupl
     """Every piece, pin and sleeve where the motion has it at time t, mm, with its name."""
     pose, heights = design.motion.pose_at(t), design.lift * design.motion.levels_at(t)
     named = {part.name: part.solid for part in parts}
-    pin = None if design.pivot is None else extruded(rings_slabs(design.pivot.profile))
+    profile = () if design.pivot is None else design.pivot.profile
+    pin = extruded(rings_slabs(profile)) if profile else None
     placed = []
     for i, piece in enumerate(design.pieces):
         x, y = (design.scale * pose.origins[i]).tolist()
@@ -180,7 +181,7 @@ def pressed_pairs(design: Design) -> list[set[str]]:
     return [
         {f"the pin of hinge {piece.index}", (design.pieces[piece.index - 1] if piece.upside_down else piece).name}
         for piece in design.pieces
-        if piece.start.kind == "pin"
+        if piece.start.kind == "pin" and design.pins
     ]
 
 

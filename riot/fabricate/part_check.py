@@ -19,6 +19,7 @@ from riot.fabricate.tuning import (
     LARGEST_HINGE_SHARE,
     LEAST_WALL_MM,
     OUTLINE_SPARE_MM,
+    THINNEST_WAIST_MM,
     VOLUME_TOLERANCE,
 )
 from riot.parameters import FabricationParameters
@@ -123,12 +124,11 @@ def _large_hinges(piece: PieceDesign, design: Design, size: float) -> str:
     """What is wrong with a piece's hinges, and at which sizes it is not, with these and with thinner ones."""
     parameters = design.parameters
     ways = [f"enlarge size_mm ({parameters.size_mm:g}) to {size:g}"]
+    thin_pin = thinner_pin(parameters) or parameters
+    rod = f"filament for pins (pivot=rod, pin_mm={FILAMENT_MM:g})"
     for words, thinner in (
         (f"wall_mm={LEAST_WALL_MM:g}", replace(parameters, wall_mm=LEAST_WALL_MM)),
-        (
-            f"filament for pins (pivot=rod, pin_mm={FILAMENT_MM:g})",
-            replace(parameters, pivot="rod", pin_mm=FILAMENT_MM),
-        ),
+        (rod if thin_pin.pivot == "rod" else f"pin_mm={thin_pin.pin_mm:g}", thin_pin),
     ):
         if knuckle_radius(thinner) < knuckle_radius(parameters):
             least = size_for_hinges(piece, design, thinner)
@@ -137,6 +137,14 @@ def _large_hinges(piece: PieceDesign, design: Design, size: float) -> str:
         f"{part_words(piece)}: its hinges are {piece.hinge_share:.0%} as large as it, more than "
         f"{LARGEST_HINGE_SHARE:.0%}: {', or '.join(ways)}"
     )
+
+
+def thinner_pin(parameters: FabricationParameters) -> FabricationParameters | None:
+    """The same with the thinnest pin: filament, or the thinnest waist of one that is printed in place; None if it is
+    so thin already."""
+    if parameters.pivot == "in-place":
+        return replace(parameters, pin_mm=THINNEST_WAIST_MM) if parameters.pin_mm > THINNEST_WAIST_MM else None
+    return replace(parameters, pin_mm=FILAMENT_MM, pivot="rod") if parameters.pin_mm > FILAMENT_MM else None
 
 
 def part_words(piece: PieceDesign) -> str:

@@ -3,7 +3,7 @@
 The lower knuckle is part of a piece that is printed as it lies, the upper one of a piece that is printed upside down:
 so neither has anything below it that needs support. A printed pin, or a bought rod, is pressed into the lower knuckle;
 a screw is held by a nut in it. The head, a cap pressed on the rod, or the screw's head sinks into the upper knuckle
-on a slope, layer by layer.
+on a slope, layer by layer. A hinge that is printed in place has no loose pin (`riot.fabricate.cones`).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass, replace
 
 from riot.errors import FabricationError
+from riot.fabricate.cones import cone_height, cone_pin, cone_radius, cone_socket
 from riot.fabricate.rings import Ring, steps, taper, whole_layers
 from riot.fabricate.tuning import (
     HEAD_RIM_MM,
@@ -36,7 +37,8 @@ class Pivot:
 
     ``lower`` and ``upper`` are the two knuckles, ``profile`` the pin with its head (the rod with its cap, the screw),
     ``cap`` the cap of a rod, else empty. ``length`` is that of the pin, rod or screw in mm, ``interference`` how much
-    thicker it is than the hole that holds it, None where a nut does.
+    thicker it is than the hole that holds it, None where a nut does. Of a hinge that is printed in place ``lower`` is
+    the socket and ``upper`` the pin in it; there is no ``profile``, and ``length`` is 0.
     """
 
     lower: tuple[Ring, ...]
@@ -58,6 +60,10 @@ def make_pivot(parameters: FabricationParameters) -> Pivot:
     Raises `riot.errors.FabricationError` if pieces are too thin for a screw and its nut, or no such screw exists.
     """
     height, lower, radius = parameters.height, parameters.levels[0], knuckle_radius(parameters)
+    if parameters.pivot == "in-place":
+        if lower < cone_height(parameters):
+            raise _thin(f"the socket does not hold two cones of {cone_height(parameters):g} mm", parameters)
+        return Pivot(cone_socket(parameters), cone_pin(parameters), (), (), 0.0, None)
     profile, knuckle = _profile(parameters), upper_rings(parameters)
     if parameters.pivot == "screw":
         length = _screw_length(parameters)
@@ -87,6 +93,8 @@ def _profile(parameters: FabricationParameters) -> tuple[Ring, ...]:
 
 def knuckle_radius(parameters: FabricationParameters) -> float:
     """Of a pin hinge, mm: the hole and its wall, the head and the least wall, or the nut and the least wall."""
+    if parameters.pivot == "in-place":
+        return cone_radius(parameters)
     hole = 0.5 * parameters.pin_mm + parameters.clearance_mm
     if parameters.pivot != "screw":
         return hole + max(parameters.wall_mm, HEAD_STEP_MM + LEAST_WALL_MM)
@@ -147,6 +155,8 @@ def _thin(problem: str, parameters: FabricationParameters) -> FabricationError:
 
 def _fits(parameters: FabricationParameters) -> bool:
     lower, upper = parameters.levels
+    if parameters.pivot == "in-place":
+        return lower >= cone_height(parameters)
     if _head_foot(parameters) < upper:
         return False
     return parameters.pivot != "screw" or lower - _nut_depth(parameters) >= _nut_floor(parameters)

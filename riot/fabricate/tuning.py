@@ -110,6 +110,41 @@ NUT_FLOOR_MM = 1.0
 PULL_LAYERS = 2.0
 """Layers of the printer: a knuckle that is pulled so far beyond its clearance over `SLOPE` must meet its pin's head."""
 
+# Cone hinge, printed in place
+
+CONE_HOLD_MM = 0.6
+"""mm: the rims of the pin are so much wider than the narrowest place of the socket, in radius; more than one line of a
+nozzle of 0.4 mm."""
+
+WAIST_HEIGHT_MM = 0.4
+"""mm: height of the pin's waist, in whole layers; two layers of 0.2 mm."""
+
+THINNEST_WAIST_MM = 2.0
+"""mm: a pin that is printed in place is made no thinner than this, at its waist; five lines of a nozzle of 0.4 mm."""
+
+CONE_TURNS = 8
+"""Turns of a pin in its socket at which the gap is measured: around the circle, and within a side of its polygon."""
+
+CONE_SEARCH_MM = 0.1
+"""mm: the gap of a cone hinge is searched up to so much more than the clearance: a wider search takes minutes."""
+
+PULL_DIRECTIONS = 6
+"""Directions sideways in which a pin is pulled against its socket."""
+
+PULL_HALVINGS = 4
+"""How far a pin can be pulled is halved so many times: exact to a sixteenth of what is allowed, 0.06 mm."""
+
+# Pose in which a chain is printed in place
+
+IN_PLACE_POSES = 65
+"""Poses of the motion that a chain may be printed in."""
+
+IN_PLACE_APART_MM = 2.0
+"""mm: pieces of a chain that are printed in place need not be further apart; five lines of a nozzle of 0.4 mm."""
+
+PLACED_SEARCH_MM = 0.1
+"""mm: the distance of two pieces on the bed is searched up to so much more than the clearance."""
+
 # Telescopic hinge
 
 LEDGE_RIM_MM = 0.4

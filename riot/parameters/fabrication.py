@@ -19,9 +19,10 @@ PIVOTS: Mapping[str, Mapping[str, float | str]] = {
     "filament": {"pivot": "rod", "pin_mm": 1.75},
     "rod": {"pivot": "rod", "pin_mm": 3.0},
     "screw": {"pivot": "screw", "pin_mm": 3.0, "thickness_mm": 10.0},
+    "in-place": {"pivot": "in-place", "axial_gap_mm": 0.4},
 }
 """What pins can be, by name: printed, a length of 1.75 mm filament, a steel rod of 3 mm, an M3 screw of 10 mm with its
-nut; and the parameters that go with it."""
+nut, or cones that are printed in place; and the parameters that go with it."""
 
 _ROUNDING = 1e-9
 """Shares of a layer that count as none when heights are counted in layers."""
@@ -48,7 +49,7 @@ class FabricationParameters(ParameterGroup):
         at_most=8,
         unit="mm",
         source=MAKERS,
-        meaning="Diameter of the pivot pins; 1.75 is a piece of filament.",
+        meaning="Diameter of the pivot pins, or of their waist in place; 1.75 is a piece of filament.",
     )
     clearance_mm: float = parameter(
         0.35,
@@ -58,10 +59,11 @@ class FabricationParameters(ParameterGroup):
         source=MAKERS,
         meaning="Gap in radius between the pin and the hole of the upper knuckle, which turns on it.",
     )
-    pivot: Literal["printed", "rod", "screw"] = parameter(
+    pivot: Literal["printed", "rod", "screw", "in-place"] = parameter(
         "printed",
         source=MAKERS,
-        meaning="What a pin hinge turns on: a printed pin with a head, a rod with a printed cap, or a screw and nut.",
+        meaning="What a pin hinge turns on: a printed pin with a head, a rod with a printed cap, a screw and nut, or a "
+        "pin with a waist that is printed in place, in its socket.",
     )
     press_mm: float = parameter(
         0.1,

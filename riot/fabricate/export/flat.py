@@ -25,8 +25,8 @@ class FlatFormatError(RiotError, ValueError):
 
 
 def laser_kinds(design: Design) -> tuple[Kind, ...]:
-    """The kinds that a design can be made of: telescopic hinges leave bare outlines and strips."""
-    return tuple(kind for kind in KINDS if kind != "layers" or design.telescope is None)
+    """The kinds that a design can be made of: hinges that are no flat knuckles leave bare outlines and strips."""
+    return tuple(kind for kind in KINDS if kind != "layers" or design.stackable)
 
 
 def laser_notes(design: Design) -> list[str]:
@@ -34,6 +34,11 @@ def laser_notes(design: Design) -> list[str]:
 
     A telescopic hinge lifts its piece; neither stacked layers nor a strip do.
     """
+    if design.placement is not None:
+        return [
+            "laser files: no layers with knuckles, because pins in their sockets are printed in place: cut the "
+            "outlines, or choose another --pivot"
+        ]
     if design.telescope is None:
         return []
     hinges = ", ".join(str(hinge + 1) for hinge in design.motion.lifted)

@@ -60,8 +60,8 @@ def stack_mm(design: Design, kind: Kind) -> float:
 def flat_parts(design: Design, kind: Kind) -> list[FlatPart]:
     """The parts of one kind at nominal size.
 
-    Raises `riot.errors.FabricationError` ``telescopic`` for layers of a design with telescopic hinges, which cannot be
-    stacked from sheets.
+    Raises `riot.errors.FabricationError` ``telescopic`` or ``in-place`` for layers of a design with such hinges, which
+    cannot be stacked from sheets.
     """
     if kind == "strips":
         return _strips(design)
@@ -93,10 +93,11 @@ def _outlines(design: Design) -> list[FlatPart]:
 
 def _layers(design: Design) -> list[FlatPart]:
     """Every piece at the heights of the lower and of the upper knuckles, below the heads of pins."""
-    if design.telescope is not None:
+    if not design.stackable:
+        kind = "telescopic" if design.telescope is not None else "in-place"
         raise FabricationError(
-            "telescopic",
-            "this puzzle has telescopic hinges, which cannot be stacked from sheets: print it, or cut its outlines",
+            kind,
+            f"this puzzle has {kind} hinges, which cannot be stacked from sheets: print it, or cut its outlines",
             "",
         )
     (lower, upper), layer = design.parameters.levels, design.parameters.layer_mm

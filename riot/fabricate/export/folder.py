@@ -12,7 +12,16 @@ from pathlib import Path
 
 from riot.errors import RiotError
 
-PUZZLE_FILES = ("piece-*.stl", "pin*.stl", "cap*.stl", "sleeve*.stl", "plate-*.3mf", "laser-*.*", "texture-*.pdf")
+PUZZLE_FILES = (
+    "piece-*.stl",
+    "chain*.stl",
+    "pin*.stl",
+    "cap*.stl",
+    "sleeve*.stl",
+    "plate-*.3mf",
+    "laser-*.*",
+    "texture-*.pdf",
+)
 """Files whose number or presence depends on the puzzle: those of an older one must not lie beside a new one's."""
 
 

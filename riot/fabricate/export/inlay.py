@@ -6,8 +6,8 @@ overhangs stay as they are certified.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ from riot.draw.palette import PIECES, hue
 from riot.draw.texture.names import SIDES
 from riot.fabricate.export.drawing import Drawing, depths
 from riot.fabricate.export.poses import frames_of
+from riot.fabricate.in_place import placing
 from riot.fabricate.model import Design, Slab, polygons
 from riot.fabricate.solid import Part, extruded, mesh_of
 from riot.types import FloatArray, IntArray
@@ -77,6 +78,18 @@ def bodies_of(design: Design, part: Part, drawing: Drawing) -> tuple[Body, ...]:
             for side, filament, inlay in inlays
         ),
     )
+
+
+def chain_bodies(design: Design, parts: Sequence[Part], bodies: Mapping[str, Sequence[Body]]) -> tuple[Body, ...]:
+    """The bodies of a chain that is printed in place, where they lie: those of every piece, or the piece itself."""
+    placed = []
+    for piece, part in zip(design.pieces, parts, strict=False):
+        place, own = placing(design, piece), PIECES[hue(piece.index, len(design.pieces))]
+        whole = (Body("", 1, own, part.solid),)
+        for body in bodies.get(part.name) or whole:
+            name = f"{part.name}-{body.name}".rstrip("-")
+            placed.append(replace(body, name=name, solid=body.solid.transform(place)))
+    return tuple(placed)
 
 
 def _room(design: Design, side: Side, region: shapely.Geometry) -> manifold3d.Manifold:

@@ -21,6 +21,13 @@ PIN_STEPS = {
 """How two knuckles that lie on each other are joined, by the kind of pin."""
 
 
+IN_PLACE_STEPS = (
+    "Take the chain off the bed as it is: it is printed in one, with its hinges.",
+    "Turn every hinge to and fro, a little further each time, until it is free.",
+)
+"""What comes first with a chain that is printed in place."""
+
+
 def shape_names(design: Design) -> tuple[str, str]:
     """The names of P and Q, no longer than fits."""
     p, q = design.transform.p.name or "P", design.transform.q.name or "Q"
@@ -32,7 +39,8 @@ def steps(design: Design) -> list[str]:
     n, motion = len(design.pieces), design.motion
     first = motion.open_hinge
     order = [(first + k) % n + 1 for k in range(n)]
-    names = shape_names(design)
+    if design.placement is not None:
+        return [*IN_PLACE_STEPS, *_shut(design, order)]
     sentences = [f"Lay the pieces on the table, fronts up, in this order: {', '.join(map(str, order))}."]
     if design.pins:
         sentences.append(
@@ -44,7 +52,13 @@ def steps(design: Design) -> list[str]:
             f"Between pieces {joined}: push a sleeve into the barrel from below, then the slit rod of the other piece "
             "into the sleeve from above, until both snap."
         )
-    sentences.append(f"Pieces {order[-1]} and {order[0]} are the free ends: nothing joins them.")
+    return sentences + _shut(design, order)
+
+
+def _shut(design: Design, order: list[int]) -> list[str]:
+    """What to do with the chain, whose pieces have these numbers in this order."""
+    names = shape_names(design)
+    sentences = [f"Pieces {order[-1]} and {order[0]} are the free ends: nothing joins them."]
     sentences.append(f"Swing the chain shut one way for {names[0]}, and the other way for {names[1]}.")
     if design.transform.mirrored_q:
         sentences.append(f"Turn the puzzle over: {names[1]} is on its back.")
@@ -56,11 +70,12 @@ def sizes(design: Design) -> list[str]:
     parameters = design.parameters
     return [
         f"long side {parameters.size_mm:g} mm, thickness {parameters.height:g} mm, layer {parameters.layer_mm:g} mm",
-        f"pin {parameters.pin_mm:g} mm; clearance {parameters.clearance_mm:g} mm where it turns"
+        f"{'waist of the pins' if design.placement else 'pin'} {parameters.pin_mm:g} mm; clearance "
+        f"{parameters.clearance_mm:g} mm where it turns"
         + (
-            ""
-            if parameters.pivot == "screw"
-            else f", {parameters.press_mm:g} mm thicker than its hole where it is held"
+            f", {parameters.press_mm:g} mm thicker than its hole where it is held"
+            if parameters.pivot in ("printed", "rod")
+            else ""
         ),
         f"between outlines {parameters.gap_mm:g} mm, between knuckles {parameters.axial_gap:g} mm; "
         f"laser kerf {parameters.kerf_mm:g} mm",
@@ -82,7 +97,7 @@ def pins_in_words(design: Design) -> str:
     words = [f"{pin.count} {_NOUNS[pin.kind]} ⌀ {pin.diameter:g} × {pin.length:g} mm" for pin in design.pins]
     if design.sleeves:
         words.append(f"{design.sleeves} sleeve{'s' if design.sleeves > 1 else ''}")
-    return ", ".join(words) or "no pins"
+    return ", ".join(words) or ("hinges printed in place" if design.placement else "no pins")
 
 
 def end_in_words(end: HingeEnd) -> str:

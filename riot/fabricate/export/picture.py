@@ -140,7 +140,7 @@ def _pushed_in(design: Design, frames: list[Frame], back: bool) -> list[Body]:
     """The pins in their hinges."""
     bodies, height = [], design.parameters.height
     for piece, frame in zip(design.pieces, frames, strict=True):
-        if piece.start.kind == "pin" and design.pivot is not None:
+        if piece.start.kind == "pin" and design.pivot is not None and design.pins:
             (axis,) = frame.paper(np.array([[piece.start.x, piece.start.y]]))
             layers = _tubes(design.pivot.profile, axis)
             if back:
@@ -163,7 +163,7 @@ def _pins(design: Design, frames: list[Frame]) -> list[Body]:
     low = PIN_LIFT * height
     bodies = []
     for index, piece in enumerate(design.pieces):
-        if piece.start.kind == "open":
+        if piece.start.kind == "open" or design.placement is not None:
             continue
         before = design.pieces[index - 1]
         (start,) = frames[index].paper(np.array([[piece.start.x, piece.start.y]]))

@@ -14,9 +14,10 @@ from riot.errors import FabricationError
 from riot.fabricate.certificate import FabricationCertificate
 from riot.fabricate.export.drawing import Drawing, drawing_of
 from riot.fabricate.export.folder import PUZZLE_FILES, new_folder
-from riot.fabricate.export.inlay import Body, bodies_of
+from riot.fabricate.export.inlay import Body, bodies_of, chain_bodies
 from riot.fabricate.export.plate_file import DIGITS, plate_bytes
 from riot.fabricate.export.stl import stl_bytes
+from riot.fabricate.in_place import chain_part
 from riot.fabricate.model import Design
 from riot.fabricate.plates import Plate, lay_out
 from riot.fabricate.solid import Part
@@ -39,7 +40,7 @@ def write_puzzle(
     If the parameters ask for inlays, every piece is several bodies on its plate, and ``NAME-base.stl``,
     ``NAME-front-2.stl`` and so on besides, the number that of the filament: by default with lines
     along the outlines, or with another ``drawing``. Each of ``more`` writes further files into the folder it is given.
-    Returns what was written.
+    What is printed in place is one part, ``chain.stl``. Returns what was written.
 
     Raises `riot.errors.FabricationError` if the certificate fails or a part does not fit the bed, OSError if
     the folder cannot be written, is a file, or holds something already that ``replace_files`` does not allow to replace
@@ -47,18 +48,21 @@ def write_puzzle(
     """
     if not certificate.passed:
         raise FabricationError("uncertified", "; ".join(certificate.failures))
-    plates = lay_out(parts, design.parameters)
+    printed = parts if design.placement is None else (chain_part(design, parts),)
+    plates = lay_out(printed, design.parameters)
     title = f"{design.transform.p.name} – {design.transform.q.name}"
     colours = {piece.name: PIECES[hue(piece.index, len(design.pieces))] for piece in design.pieces}
     drawing = drawing or drawing_of(design)
     bodies = {} if drawing is None else {part.name: bodies_of(design, part, drawing) for part in parts}
+    if design.placement is not None:
+        bodies["chain"] = chain_bodies(design, parts, bodies)
     with new_folder(folder, replace_files=replace_files, stale=PUZZLE_FILES) as temporary:
-        for part in parts:
+        for part in printed:
             (temporary / f"{part.name}.stl").write_bytes(stl_bytes(part))
-            for body in bodies.get(part.name, ()):
+            for body in bodies.get(part.name, ()) if drawing is not None else ():
                 (temporary / f"{part.name}-{body.name}.stl").write_bytes(stl_bytes(body))
         for k, plate in enumerate(plates):
-            (temporary / f"plate-{k + 1}.3mf").write_bytes(plate_bytes(plate, parts, title, colours, bodies))
+            (temporary / f"plate-{k + 1}.3mf").write_bytes(plate_bytes(plate, printed, title, colours, bodies))
         document = json.dumps(parts_document(design, parts, certificate, plates, bodies), indent=1, ensure_ascii=False)
         (temporary / "parts.json").write_text(f"{document}\n", encoding="utf-8", newline="\n")
         for write in more:
@@ -89,8 +93,8 @@ def parts_document(
                 "name": part.name,
                 "kind": part.kind,
                 "count": part.count,
-                "printed": "upside down" if part.upside_down else "as it lies",
-                "file": f"{part.name}.stl",
+                "printed": "in place" if design.placement else "upside down" if part.upside_down else "as it lies",
+                "file": f"{'chain' if design.placement else part.name}.stl",
                 "size_mm": [round(length, DIGITS) for length in part.size],
                 "volume_mm3": round(part.volume, DIGITS),
                 "bodies": [
@@ -98,7 +102,7 @@ def parts_document(
                         "name": body.name,
                         "filament": body.filament,
                         "colour": body.colour,
-                        "file": f"{part.name}-{body.name}.stl",
+                        "file": f"{'chain-' if design.placement else ''}{part.name}-{body.name}.stl",
                         "volume_mm3": round(body.volume, DIGITS),
                     }
                     for body in (bodies or {}).get(part.name, ())
@@ -111,6 +115,7 @@ def parts_document(
             for i, piece in enumerate(design.pieces)
         ],
         "pins": [asdict(pin) for pin in design.pins],
+        "placement": None if design.placement is None else asdict(design.placement),
         "plates": [
             {"file": f"plate-{k + 1}.3mf", "parts": [item.name for item in plate]} for k, plate in enumerate(plates)
         ],
@@ -124,10 +129,16 @@ def parts_document(
             "bridge_mm": round(certificate.bridge, 2),
             "overlap_mm3": certificate.motion.overlap,
             "poses": certificate.motion.poses,
-            "hinges": [{**asdict(check), "failures": list(check.failures)} for check in certificate.hinges],
+            "hinges": [{**_finites(asdict(check)), "failures": list(check.failures)} for check in certificate.hinges],
+            "placement": None if certificate.placement is None else _finites(asdict(certificate.placement)),
         },
         "warnings": list(design.warnings),
     }
+
+
+def _finites(values: dict[str, Any]) -> dict[str, Any]:
+    """A record without numbers that JSON does not have."""
+    return {key: _finite(value) if isinstance(value, float) else value for key, value in values.items()}
 
 
 def _finite(value: float) -> float | None:

@@ -12,11 +12,11 @@ import shapely
 
 from riot.draw.palette import hue
 from riot.draw.scene import Bitmap, Line, Mark, Region, Scene, moved
-from riot.fabricate.export.instructions import PIN_STEPS, pins_in_words, shape_names
+from riot.fabricate.export.instructions import IN_PLACE_STEPS, PIN_STEPS, pins_in_words, shape_names
 from riot.fabricate.export.page import HEIGHT, PAGE_MARGIN_MM, WIDTH
 from riot.fabricate.export.paper import Frame, disc, number_marks, region_mark, sheet, text
 from riot.fabricate.export.picture import puzzle_view
-from riot.fabricate.export.poses import chain, closed, drawn, fit
+from riot.fabricate.export.poses import chain, closed, drawn, fit, frames_of
 
 if TYPE_CHECKING:
     from riot.draw.texture.names import Side
@@ -65,8 +65,13 @@ def step_pages(design: Design) -> list[Scene]:
     room = wide, tall - _WORDS_MM - 6.0
 
     numbers = ", ".join(str(i + 1) for i in order)
-    steps = [(_whole(design, chain(design), room), f"Lay the pieces in a row, fronts up: {numbers}.")]
-    steps += [(_joined(design, before, after, room), _words(design, after)) for before, after in pairwise(order)]
+    if design.placement is None:
+        steps = [(_whole(design, chain(design), room), f"Lay the pieces in a row, fronts up: {numbers}.")]
+        steps += [(_joined(design, before, after, room), _words(design, after)) for before, after in pairwise(order)]
+    else:
+        printed = frames_of(design, design.motion.pose_at(design.placement.time))
+        frames = (printed, chain(design))
+        steps = [(_whole(design, pose, room), words) for pose, words in zip(frames, IN_PLACE_STEPS, strict=True)]
     shut = [_whole(design, closed(design, t), room) for t in (0.0, 1.0)]
     turned = " Turn it over." if design.transform.mirrored_q else ""
     steps.append((shut[0], f"Swing the row shut one way: {names[0]}!"))
