@@ -15,8 +15,9 @@ from riot.draw.panels import dissection_marks, sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.raster import png_bytes
 from riot.draw.scene import Mark, PlacedPiece, Scene, extent, moved
-from riot.draw.svg import CLOSING, UNITS, definitions, fragment, naming, painted, path_data
+from riot.draw.svg import CLOSING, definitions, fragment, naming, painted
 from riot.draw.svg_style import page_colours, page_style
+from riot.draw.svg_text import UNITS, path_data
 from riot.errors import needs_extra
 from riot.geometry.polyline import simplify
 from riot.transform.transform import Transform

@@ -16,6 +16,7 @@ from . import solid as solid
 from . import strip as strip
 from . import svg as svg
 from . import svg_style as svg_style
+from . import svg_text as svg_text
 from . import texture as texture
 from . import tuning as tuning
 from .animate import animate_svg as animate_svg

@@ -19,7 +19,8 @@ from riot.draw.keyframes import (
 from riot.draw.panels import sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
 from riot.draw.scene import Dot, Scene
-from riot.draw.svg import dot, naming, painted, piece_id, translation, whole
+from riot.draw.svg import dot, naming, painted, piece_id, whole
+from riot.draw.svg_text import translation
 from riot.draw.tuning import MOTION_PENS, PAUSE_FRAMES, STILL_TIME, SWEPT_MARGIN
 from riot.motion.planner import motion_of
 from riot.transform.motion import Motion

@@ -20,7 +20,8 @@ from riot.construction.plan import ConstructionPlan
 from riot.draw.animate import MOTION_STYLE, loop_times, swing_of
 from riot.draw.panels import outline_with_trunk, sketch, thin_outline
 from riot.draw.scene import Mark, Region, Scene, around, extent, moved
-from riot.draw.svg import document, escape, naming, whole
+from riot.draw.svg import document, naming, whole
+from riot.draw.svg_text import escape
 from riot.draw.tuning import GRID_COLUMNS, GRID_SCALE, GRID_TRUNKS, NOTEBOOK_PIXELS, NOTEBOOK_SCALE
 from riot.geometry.shape import Shape
 from riot.scores.trunks import Trunks

@@ -68,6 +68,19 @@ PENS: Mapping[str, Pen] = MappingProxyType(
 """Every pen by name; a mark names its pen, a writer looks it up."""
 
 
+LASER_COLOURS: Mapping[str, str] = MappingProxyType({"engrave": "#000000", "score": "#0000ff", "cut": "#ff0000"})
+"""By layer of a laser, in the order of work: LightBurn's layers 00, 01 and 02."""
+
+PAPER_PENS: Mapping[str, Pen] = MappingProxyType(
+    {
+        "laser-engrave": Pen(fill=LASER_COLOURS["engrave"]),
+        "laser-score": Pen(stroke=LASER_COLOURS["score"], width=0.7),
+        "laser-cut": Pen(stroke=LASER_COLOURS["cut"], width=0.7),
+    }
+)
+"""Pens of printed pages alone, which no style sheet needs."""
+
+
 def hue(piece: int, count: int) -> int:
     """Index into `PIECES` for one piece of ``count``; the last never looks like the first, its neighbour.
 
@@ -79,9 +92,11 @@ def hue(piece: int, count: int) -> int:
 
 
 def colour(name: str, scheme: Mapping[str, str]) -> str:
-    """The ``#rrggbb`` of a named colour.
+    """The ``#rrggbb`` of a named colour; one that is given so stays.
 
     >>> colour("paper", LIGHT), colour("piece0", LIGHT)
     ('#ffffff', '#4683c5')
     """
+    if name.startswith("#"):
+        return name
     return PIECES[int(name[5:])] if name.startswith("piece") else scheme[name]

@@ -12,7 +12,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, TransformedPath
 
-from riot.draw.palette import LIGHT, PENS, colour, hue
+from riot.draw.palette import LIGHT, PAPER_PENS, PENS, colour, hue
 from riot.draw.scene import Bitmap, Dot, Label, Line, PlacedPiece, Region, Scene, placed
 from riot.draw.tuning import PDF_WIDTH_MM
 from riot.types import FloatArray
@@ -88,7 +88,7 @@ class _Page:
             self._path(outline, "cut", pen)
 
     def _path(self, path: Any, name: str, pen: float) -> None:
-        look, graphics = PENS[name], self._renderer.new_gc()
+        look, graphics = PENS.get(name) or PAPER_PENS[name], self._renderer.new_gc()
         graphics.set_joinstyle("round")
         graphics.set_capstyle("round")
         graphics.set_linewidth(look.width * pen if look.stroke else 0.0)

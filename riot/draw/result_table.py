@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from riot.construction.plan import ConstructionPlan
-from riot.draw.svg import escape
+from riot.draw.svg_text import escape
 from riot.errors import needs_extra
 from riot.scores.crs import CrossScore
 from riot.scores.qcrs import QuickScore

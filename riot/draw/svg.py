@@ -1,14 +1,12 @@
 """Scenes as SVG, written by hand: whole files, and fragments for a page that holds the style sheet once. Ours.
 
-The text is deterministic: coordinates are whole numbers, a thousand to a unit, and names of pieces come from their
-geometry. y points down in SVG, so it is turned over here and nowhere else.
+The text is deterministic: names of pieces come from their geometry.
 """
 
 from __future__ import annotations
 
 import base64
 import hashlib
-import html
 import io
 import math
 from collections.abc import Iterable, Mapping
@@ -21,28 +19,11 @@ from riot.draw.palette import LIGHT, hue
 from riot.draw.piece_image import NO_IMAGES, PieceImage, PieceImages
 from riot.draw.scene import Bitmap, Box, Dot, Label, Line, Mark, PlacedPiece, Region, Scene
 from riot.draw.svg_style import file_style, number
+from riot.draw.svg_text import UNITS, escape, path_data, rings_data, translation, turn, whole_number
 from riot.transform.transform import Piece
-from riot.types import FloatArray
-
-UNITS = 1000
-"""SVG units per unit of the scene: a thousandth of a unit-area shape is the finest detail in a picture."""
 
 JPEG_QUALITY = 88
 """Of images: a photograph is a tenth of what it is as PNG."""
-
-_FORBIDDEN = dict.fromkeys(
-    (*range(9), 11, 12, *range(14, 32), 127, *range(0xD800, 0xE000), 0xFFFE, 0xFFFF), "\N{REPLACEMENT CHARACTER}"
-)
-"""What XML must not hold, even escaped; file names may."""
-
-
-def escape(text: str) -> str:
-    """Text for XML and HTML, between tags or within quotes; characters that XML forbids become U+FFFD.
-
-    >>> escape("P & Q")
-    'P &amp; Q'
-    """
-    return html.escape(text.translate(_FORBIDDEN), quote=True)
 
 
 def document(
@@ -131,7 +112,7 @@ def definitions(pieces: tuple[Piece, ...], prefix: str, images: PieceImages = NO
     """
     groups = [
         f'<g id="{prefix}{i}"><path class="r-piece{hue(i, len(pieces))}" d="{path_data(piece.polygon)}"/>'
-        f'<path class="r-seam" d="M0 0H{_whole(piece.length)}"/></g>'
+        f'<path class="r-seam" d="M0 0H{whole_number(piece.length)}"/></g>'
         for i, piece in enumerate(pieces)
     ]
     for side in sorted(images):
@@ -154,8 +135,8 @@ def _image(pixels: npt.NDArray[np.uint8], box: Box, clip: str, name: str, codec:
     clip_path = f'<clipPath id="{name}c"><path d="{clip}"/></clipPath>' if clip else ""
     cut = f' clip-path="url(#{name}c)"' if clip else ""
     return (
-        f'{clip_path}<image{cut} x="{_whole(x0)}" y="{_whole(-y1)}" width="{_whole(x1 - x0)}" '
-        f'height="{_whole(y1 - y0)}" preserveAspectRatio="none" href="{_data_url(pixels, codec)}"/>'
+        f'{clip_path}<image{cut} x="{whole_number(x0)}" y="{whole_number(-y1)}" width="{whole_number(x1 - x0)}" '
+        f'height="{whole_number(y1 - y0)}" preserveAspectRatio="none" href="{_data_url(pixels, codec)}"/>'
     )
 
 
@@ -180,43 +161,9 @@ def painted(scene: Scene, prefix: str) -> str:
     return "".join(_mark(index, mark, prefix, scene) for index, mark in enumerate(scene.marks))
 
 
-def path_data(points: FloatArray, closed: bool = True) -> str:
-    """Path data of (k, 2) points, y up: whole numbers, relative after the first, repeated points left out.
-
-    >>> path_data(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
-    'M0 0l1000 0-1000-1000z'
-    """
-    grid = np.rint(points * [UNITS, -UNITS]).astype(np.int64)
-    steps = np.diff(grid, axis=0)
-    steps = steps[(steps != 0).any(axis=1)]
-    text = f"M{grid[0, 0]} {grid[0, 1]}"
-    if len(steps):
-        text += "l" + " ".join(map(str, steps.ravel().tolist())).replace(" -", "-")  # a sign parts numbers too
-    return text + ("z" if closed else "")
-
-
-def turn(heading: float) -> str:
-    """Degrees, clockwise as SVG has them, of a heading in radians; within a full turn either way.
-
-    >>> turn(math.pi / 2)
-    '-90'
-    """
-    degrees = round(-math.degrees(math.remainder(heading, 2.0 * math.pi)), 2)
-    return f"{degrees + 0.0:.6g}"
-
-
-def translation(x: float, y: float) -> str:
-    """A point, y up, as the two numbers of a translation.
-
-    >>> translation(0.5, 1.0)
-    '500 -1000'
-    """
-    return f"{_whole(x)} {_whole(-y)}"
-
-
 def _mark(index: int, mark: Mark, prefix: str, scene: Scene) -> str:
     if isinstance(mark, Region):
-        return f'<path class="r-{mark.pen}" d="{_rings(mark.rings)}"/>'
+        return f'<path class="r-{mark.pen}" d="{rings_data(mark.rings)}"/>'
     if isinstance(mark, Line):
         return f'<path class="r-{mark.pen}" d="{path_data(mark.points, closed=False)}"/>'
     if isinstance(mark, PlacedPiece):
@@ -226,14 +173,10 @@ def _mark(index: int, mark: Mark, prefix: str, scene: Scene) -> str:
         moves = f"translate({translation(mark.x, mark.y)})rotate({turn(mark.heading)}){scaled}"
         return f'<use href="#{piece_id(prefix, mark.piece, mark.side, scene.images)}" transform="{moves}"/>'
     if isinstance(mark, Bitmap):
-        return _image(mark.pixels, mark.box, _rings(mark.clip or ()), f"{prefix}b{index}", "PNG")
+        return _image(mark.pixels, mark.box, rings_data(mark.clip or ()), f"{prefix}b{index}", "PNG")
     if isinstance(mark, Dot):
         return dot(mark, scene.pen)
     return _label(mark, scene.pen)
-
-
-def _rings(rings: Iterable[FloatArray]) -> str:
-    return "".join(map(path_data, rings))
 
 
 def dot(mark: Dot, pen: float) -> str:
@@ -242,14 +185,14 @@ def dot(mark: Dot, pen: float) -> str:
     >>> dot(Dot(0.5, 1.0, "hinge", 2.0), 0.01)
     '<circle class="r-hinge" cx="500" cy="-1000" r="20"/>'
     """
-    centre = f'cx="{_whole(mark.x)}" cy="{_whole(-mark.y)}"'
-    return f'<circle class="r-{mark.pen}" {centre} r="{_whole(mark.radius * pen)}"/>'
+    centre = f'cx="{whole_number(mark.x)}" cy="{whole_number(-mark.y)}"'
+    return f'<circle class="r-{mark.pen}" {centre} r="{whole_number(mark.radius * pen)}"/>'
 
 
 def _label(mark: Label, pen: float) -> str:
     anchor = "" if mark.anchor == "start" else f' text-anchor="{mark.anchor}"'
     weight = "" if mark.weight == "normal" else f' font-weight="{mark.weight}"'
-    where = f'x="{_whole(mark.x)}" y="{_whole(-mark.y)}" font-size="{_whole(mark.size * pen)}"'
+    where = f'x="{whole_number(mark.x)}" y="{whole_number(-mark.y)}" font-size="{whole_number(mark.size * pen)}"'
     return f'<text class="r-{mark.pen}" {where}{anchor}{weight}>{escape(mark.text)}</text>'
 
 
@@ -257,7 +200,3 @@ def _view(scene: Scene) -> tuple[int, int, int, int]:
     x0, y0, x1, y1 = scene.box
     left, top = math.floor(x0 * UNITS), math.floor(-y1 * UNITS)
     return left, top, math.ceil(x1 * UNITS) - left, math.ceil(-y0 * UNITS) - top
-
-
-def _whole(value: float) -> int:
-    return round(value * UNITS)

@@ -126,6 +126,3 @@ EDGE_SHADE = 0.35
 
 CREASE_COSINE = math.cos(math.radians(40.0))
 """Two faces of a body that turn by more from one to the other have an edge between them."""
-
-BATCH_PIXELS = 1 << 16
-"""Pixels of triangles that are cut into rows at once: what they take stays in the processor's cache."""

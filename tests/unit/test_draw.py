@@ -15,7 +15,8 @@ from riot.draw.keyframes import eased, frame_count, keyframes, motion_marks, swe
 from riot.draw.palette import DARK, LIGHT, PENS, PIECES, colour, hue
 from riot.draw.panels import chain_marks, pose_marks, sketch
 from riot.draw.scene import PlacedPiece, around, extent, moved, placed
-from riot.draw.svg import document, escape, path_data, turn
+from riot.draw.svg import document
+from riot.draw.svg_text import escape, path_data, turn
 from riot.draw.tuning import FIGURE_TIMES, MAX_TURN, SKETCH_TOLERANCE, WAY_FRAMES
 from riot.errors import RiotError
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform

@@ -14,7 +14,7 @@ import shapely
 from PIL import Image
 
 from riot.draw.files import PictureFormatError
-from riot.draw.scene import Bitmap, Label, Region, Scene
+from riot.draw.scene import Bitmap, Label, Line, Region, Scene
 from riot.draw.texture.names import Side
 from riot.draw.texture.paint import PlainTexture, find_textures
 from riot.draw.texture.source import ByteArray
@@ -165,6 +165,12 @@ def test_the_booklet_shows_every_step(puzzle_design: Design) -> None:
     words = [" ".join(mark.text for mark in page.marks if isinstance(mark, Label)) for page in pages]
     assert "P ⇄ Q" in words[0] and sum(isinstance(mark, Bitmap) for mark in pages[0].marks) == 2
     n, first = len(puzzle_design.pieces), puzzle_design.motion.open_hinge
+    # A picture of every joint; none reaches into the words below it.
+    joints = [mark for mark in pages[1].marks if isinstance(mark, Bitmap)]
+    assert len(joints) == n - 1
+    lines = [mark for mark in pages[1].marks if isinstance(mark, Label) and mark.text.startswith("Lay the knuckle")]
+    for joint, line in zip(joints, lines, strict=True):
+        assert joint.box[1] > line.y + 3.0 and joint.box[0] < line.x + 80.0
     for k in range(n - 1):
         before, after = (first + k) % n + 1, (first + k + 1) % n + 1
         upper = after if puzzle_design.pieces[after - 1].start.role == "upper" else before
@@ -173,6 +179,8 @@ def test_the_booklet_shows_every_step(puzzle_design: Design) -> None:
     for layer, colour in LASER_COLOURS.items():
         assert f"{layer}:" in words[-1] and colour in words[-1]
     assert "laser-layers: " in words[-1]
+    pens = [mark.pen for mark in pages[-1].marks if isinstance(mark, Region | Line)]
+    assert pens.count("laser-cut") == 1 + 2 * n and pens.count("laser-engrave") == 1 + 2 * n and "laser-score" in pens
     turned = replace(puzzle_design, transform=replace(puzzle_design.transform, mirrored_q=True))
     assert any("Turn it over." in mark.text for mark in booklet(turned)[1].marks if isinstance(mark, Label))
     for page in pages:

@@ -6,6 +6,7 @@ from . import flat_parts as flat_parts
 from . import folder as folder
 from . import inlay as inlay
 from . import instructions as instructions
+from . import joint_picture as joint_picture
 from . import laser_coupon as laser_coupon
 from . import laser_page as laser_page
 from . import laser_sheet as laser_sheet

@@ -8,29 +8,32 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from riot.draw.pdf import pdf_bytes
+from riot.draw.texture.names import SIDES
 from riot.fabricate.export.flat import FlatFormatError
 from riot.fabricate.export.laser_page import laser_page
 from riot.fabricate.export.page import page_scenes
+from riot.fabricate.export.picture import puzzle_view
 from riot.fabricate.export.steps import cover, step_pages
 
 if TYPE_CHECKING:
     from riot.draw.scene import Scene
+    from riot.draw.solid import View
     from riot.draw.texture.names import Side
-    from riot.draw.texture.paint import Texture
     from riot.fabricate.model import Design
 
 
-def write_booklet(design: Design, path: str | os.PathLike[str], textures: Mapping[Side, Texture] | None = None) -> None:
-    """Write the booklet as a PDF; the front page shows ``textures``. The same design gives the same bytes.
+def write_booklet(design: Design, path: str | os.PathLike[str], views: Mapping[Side, View] | None = None) -> None:
+    """Write the booklet as a PDF; the front page shows ``views`` of the puzzle. The same design gives the same bytes.
 
     Raises `riot.fabricate.export.flat.FlatFormatError` for a suffix other than .pdf.
     """
     target = Path(path)
     if target.suffix.lower() != ".pdf":
         raise FlatFormatError(f"cannot write the booklet {target.name!r}: use a file name that ends in .pdf")
-    target.write_bytes(pdf_bytes(booklet(design, textures), unit_mm=1.0))
+    target.write_bytes(pdf_bytes(booklet(design, views), unit_mm=1.0))
 
 
-def booklet(design: Design, textures: Mapping[Side, Texture] | None = None) -> list[Scene]:
+def booklet(design: Design, views: Mapping[Side, View] | None = None) -> list[Scene]:
     """The pages of `write_booklet`, in mm."""
-    return [cover(design, textures or {}), *step_pages(design), *page_scenes(design), laser_page(design)]
+    views = views or {side: puzzle_view(design, side) for side in SIDES}
+    return [cover(design, views), *step_pages(design), *page_scenes(design), laser_page(design)]

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from riot.draw.scene import Mark, Region, Scene
+from riot.draw.palette import LASER_COLOURS
+from riot.draw.scene import Line, Mark, Region, Scene
 from riot.fabricate.export.flat import laser_kinds, laser_notes
 from riot.fabricate.export.flat_parts import flat_parts, sheets_of_a_layer, stack_mm
-from riot.fabricate.export.laser_sheet import LASER_COLOURS, LaserSheet, laser_sheets
+from riot.fabricate.export.laser_sheet import LaserSheet, laser_sheets
 from riot.fabricate.export.page import HEIGHT, PAGE_MARGIN_MM, WIDTH
 from riot.fabricate.export.paper import region_mark, rings, sheet, text
 
@@ -23,7 +24,8 @@ MOST_SHEETS = 4
 """Sheets that are shown; the others look like them."""
 
 _LETTERS = 100
-_PENS = {"engrave": "caption", "score": "edge0", "cut": "edge2"}
+MOST_MM = 110.0
+"""Greatest height of their pictures."""
 
 
 def laser_page(design: Design) -> Scene:
@@ -35,13 +37,18 @@ def laser_page(design: Design) -> Scene:
     top -= 9.0
     for number, (layer, colour) in enumerate(LASER_COLOURS.items()):
         words = f"{layer}: {TASKS[layer]} · {colour}, layer {number:02d} of LightBurn"
-        marks.append(region_mark(shapely.box(PAGE_MARGIN_MM, top, PAGE_MARGIN_MM + 6.0, top + 0.6), _PENS[layer]))
+        if layer == "engrave":
+            swatch = shapely.box(PAGE_MARGIN_MM, top - 0.8, PAGE_MARGIN_MM + 6.0, top + 1.6)
+            marks.append(region_mark(swatch, "laser-engrave"))
+        else:
+            stroke = np.array([[PAGE_MARGIN_MM, top + 0.4], [PAGE_MARGIN_MM + 6.0, top + 0.4]])
+            marks.append(Line(stroke, f"laser-{layer}"))
         marks.append(text(PAGE_MARGIN_MM + 9.0, top - 0.8, words, 3.2))
         top -= 5.6
     top -= 3.0
     shown = sheets[:MOST_SHEETS]
     room = (WIDTH - 2 * PAGE_MARGIN_MM - 6.0 * (len(shown) - 1)) / len(shown)
-    scale = min(room / sheets[0].width, 80.0 / sheets[0].height)
+    scale = min(room / sheets[0].width, MOST_MM / sheets[0].height)
     for k, laser_sheet in enumerate(shown):
         marks += _picture(laser_sheet, PAGE_MARGIN_MM + k * (scale * laser_sheet.width + 6.0), top, scale)
     top -= scale * sheets[0].height + 5.0
@@ -97,7 +104,9 @@ def _picture(laser_sheet: LaserSheet, x: float, top: float, scale: float) -> lis
     frame = shapely.box(0.0, 0.0, laser_sheet.width, laser_sheet.height)
     marks: list[Mark] = [Region(tuple(scale * ring + shift for ring in rings(frame)), "rule")]
     for part in laser_sheet.parts:
-        marks.append(Region(tuple(scale * ring + shift for ring in rings(part.region)), "cut"))
+        marks.append(Region(tuple(scale * ring + shift for ring in rings(part.region)), "laser-cut"))
         if not part.engraved.is_empty:
-            marks.append(Region(tuple(scale * ring + shift for ring in rings(part.engraved)), "caption"))
+            marks.append(Region(tuple(scale * ring + shift for ring in rings(part.engraved)), "laser-engrave"))
+        scored = shapely.get_parts(part.scored)
+        marks += [Line(scale * shapely.get_coordinates(line) + shift, "laser-score") for line in scored]
     return marks

@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from riot.draw.svg import escape
+from riot.draw.palette import LASER_COLOURS
+from riot.draw.svg_text import escape
 from riot.errors import FabricationError, needs_extra
 from riot.fabricate.export.flat_parts import FlatPart, compensated
 from riot.fabricate.export.nesting import Nested, nest
@@ -35,9 +36,6 @@ cuts to drivers that print (the page of a workshop that the module names)."""
 
 FLAT_DIGITS = 6
 """Decimals of a coordinate in mm."""
-
-LASER_COLOURS = {"engrave": "#000000", "score": "#0000ff", "cut": "#ff0000"}
-"""By layer, in the order of work: LightBurn's layers 00, 01 and 02."""
 
 _DXF_COLOURS = {"engrave": 7, "score": 5, "cut": 1}
 _PLACED = ("region", "engraved", "scored", "through")

@@ -11,7 +11,7 @@ from riot.fabricate.export.booklet import write_booklet
 from riot.fabricate.export.drawing import Drawing, drawing_of
 from riot.fabricate.export.flat import write_flat_files
 from riot.fabricate.export.inlay import InlayTexture
-from riot.fabricate.export.picture import draw_puzzle
+from riot.fabricate.export.picture import draw_puzzle, png_of_puzzle, puzzle_view
 from riot.fabricate.export.sheets import SHEET_DOTS_PER_INCH, write_sheets
 
 if TYPE_CHECKING:
@@ -45,10 +45,11 @@ def write_paperwork(
         write_sheets(design, written[-1], texture, side, dots_per_inch)
     drawing = drawing or drawing_of(design)
     seen = textures if drawing is None else {side: InlayTexture(design, drawing, side) for side in SIDES}
+    views = {side: puzzle_view(design, side, textures=seen) for side in SIDES}
     written.append(folder / "assembly.pdf")
-    write_booklet(design, written[-1], seen)
+    write_booklet(design, written[-1], views)
     for side in SIDES:
-        for name, apart in (("puzzle", False), ("apart", True)):
-            written.append(folder / f"{name}-{side}.png")
-            draw_puzzle(design, written[-1], side, apart=apart, textures=seen)
+        written += [folder / f"puzzle-{side}.png", folder / f"apart-{side}.png"]
+        written[-2].write_bytes(png_of_puzzle(views[side]))
+        draw_puzzle(design, written[-1], side, apart=True, textures=seen)
     return written

@@ -43,8 +43,8 @@ NUMBER_MM = 7.0
 PICTURE_DOTS_PER_INCH = 220.0
 PICTURE_MARGIN_MM = 6.0
 
-_PIXEL_MM = MM_PER_INCH / PICTURE_DOTS_PER_INCH
-_METAL = "#9aa3ad"
+PIXEL_MM = MM_PER_INCH / PICTURE_DOTS_PER_INCH
+METAL = "#9aa3ad"
 _DASH_MM, _DASH_WIDTH_MM = 1.25, 0.3
 
 
@@ -66,8 +66,12 @@ def draw_puzzle(
     target = Path(path)
     if target.suffix.lower() != ".png":
         raise PictureFormatError(f"cannot draw {target.name!r}: use a file name that ends in .png")
-    view = puzzle_view(design, side, apart=apart, textures=textures)
-    target.write_bytes(png_of_view(view, round(PICTURE_MARGIN_MM / _PIXEL_MM)))
+    target.write_bytes(png_of_puzzle(puzzle_view(design, side, apart=apart, textures=textures)))
+
+
+def png_of_puzzle(view: View) -> bytes:
+    """A view as a PNG file with a margin."""
+    return png_of_view(view, round(PICTURE_MARGIN_MM / PIXEL_MM))
 
 
 def puzzle_view(
@@ -77,24 +81,29 @@ def puzzle_view(
     texture = (textures or {}).get(side)
     back = side == "q" and (texture is not None or design.transform.mirrored_q)
     frames = _frames(design, side, back, APART_SHARE if apart else 0.0)
-    bodies = [_piece(design, i, frame, back, side, texture) for i, frame in enumerate(frames)]
+    bodies = [piece_body(design, i, frame, back, side, texture) for i, frame in enumerate(frames)]
     bodies += _pins(design, frames) if apart else _pushed_in(design, frames, back)
-    view = render(bodies, _PIXEL_MM, EYE)
-    return view if texture is not None and not apart else _numbered(design, view, frames, side, back)
+    view = render(bodies, PIXEL_MM, EYE)
+    if texture is not None and not apart:
+        return view
+    middles = {i: middle_of_face(design, i, "q" if back else "p", frame) for i, frame in enumerate(frames)}
+    return numbered(view, middles)
 
 
-def _numbered(design: Design, view: View, frames: list[Frame], side: Side, back: bool) -> View:
-    """The picture with the number of every piece in the middle of its upper face."""
-    middles = []
-    for i, frame in enumerate(frames):
-        middle = shapely.maximum_inscribed_circle(face(design, i, "q" if back else "p")).coords[0]
-        middles.append([*frame.paper(np.array([middle]))[0].tolist(), design.parameters.height])
+def middle_of_face(design: Design, index: int, side: Side, frame: Frame, lift: float = 0.0) -> FloatArray:
+    """(3,) the middle of a piece's upper face, mm."""
+    middle = shapely.maximum_inscribed_circle(face(design, index, side)).coords[0]
+    return np.append(frame.paper(np.array([middle]))[0], design.parameters.height + lift)
+
+
+def numbered(view: View, middles: Mapping[int, FloatArray], size_mm: float = NUMBER_MM) -> View:
+    """The picture with the number of every piece, of which ``middles`` has the index, at a point (3,)."""
     picture = Image.fromarray(view.pixels)
-    draw, radius = ImageDraw.Draw(picture), 0.5 * NUMBER_MM / _PIXEL_MM
+    draw, radius = ImageDraw.Draw(picture), 0.5 * size_mm * view.pixels.shape[1] / view.width
     font = ImageFont.truetype(font_files()[1], 1.1 * radius)
-    for number, (x, y) in enumerate(view.pixel(np.array(middles), EYE).tolist(), start=1):
+    for index, (x, y) in zip(middles, view.pixel(np.array(list(middles.values())), EYE).tolist(), strict=True):
         draw.ellipse((x - radius, y - radius, x + radius, y + radius), LIGHT["paper"], LIGHT["ink"], 2)
-        draw.text((x, y), str(number), LIGHT["ink"], font, anchor="mm")
+        draw.text((x, y), str(index + 1), LIGHT["ink"], font, anchor="mm")
     return replace(view, pixels=np.asarray(picture))
 
 
@@ -114,17 +123,20 @@ def _frames(design: Design, side: Side, back: bool, apart: float) -> list[Frame]
     return frames
 
 
-def _piece(design: Design, index: int, frame: Frame, back: bool, side: Side, texture: Texture | None) -> Body:
+def piece_body(
+    design: Design, index: int, frame: Frame, back: bool, side: Side, texture: Texture | None, lift: float = 0.0
+) -> Body:
     """A piece with its texture, if there is one, on the upper face; knuckles keep the piece's colour."""
     height = design.parameters.height
     layers = [(slab.low, slab.high, rings(frame.region(slab.section))) for slab in design.pieces[index].slabs]
     if back:
         layers = [(height - high, height - low, base) for low, high, base in layers]
+    layers = [(low + lift, high + lift, base) for low, high, base in layers]
     top = None
     if texture is not None:
         region = frame.region(face(design, index, side))
         shapely.prepare(region)
-        colours = face_colours(design, texture, side, index, frame, _PIXEL_MM)
+        colours = face_colours(design, texture, side, index, frame, PIXEL_MM)
 
         def top(points: FloatArray) -> tuple[BoolArray, ByteArray]:
             covered: BoolArray = shapely.contains_xy(region, points)
@@ -142,18 +154,19 @@ def _pushed_in(design: Design, frames: list[Frame], back: bool) -> list[Body]:
     for piece, frame in zip(design.pieces, frames, strict=True):
         if piece.start.kind == "pin" and design.pivot is not None and design.pins:
             (axis,) = frame.paper(np.array([[piece.start.x, piece.start.y]]))
-            layers = _tubes(design.pivot.profile, axis)
+            layers = tubes(design.pivot.profile, axis)
             if back:
                 layers = [(height - high, height - low, base) for low, high, base in layers]
-            bodies.append(Body(*prisms(layers), _METAL))
+            bodies.append(Body(*prisms(layers), METAL))
     return bodies
 
 
-def _tubes(tubes: Sequence[Ring], axis: FloatArray) -> list[tuple[float, float, tuple[FloatArray, ...]]]:
+def tubes(profile: Sequence[Ring], axis: FloatArray) -> list[tuple[float, float, tuple[FloatArray, ...]]]:
     """Rings around an axis as layers: from z, to z, and the base."""
     middle = shapely.Point(axis)
     return [
-        (tube.low, tube.high, rings(middle.buffer(tube.radius).difference(middle.buffer(tube.hole)))) for tube in tubes
+        (ring.low, ring.high, rings(middle.buffer(ring.radius).difference(middle.buffer(ring.hole))))
+        for ring in profile
     ]
 
 
@@ -170,16 +183,16 @@ def _pins(design: Design, frames: list[Frame]) -> list[Body]:
         (end,) = frames[index - 1].paper(np.array([[before.end.x, before.end.y]]))
         middle = 0.5 * (start + end)
         for hinge in (start, end):
-            bodies += _dashes(np.append(hinge, height), np.append(middle, low))
-        tubes: tuple[Ring, ...] = () if design.pivot is None else design.pivot.profile
+            bodies += dashes(np.append(hinge, height), np.append(middle, low))
+        profile: tuple[Ring, ...] = () if design.pivot is None else design.pivot.profile
         if piece.start.kind == "telescopic" and design.telescope is not None:
-            tubes = design.telescope.sleeve
-        layers = [(low + bottom, low + top, base) for bottom, top, base in _tubes(tubes, middle)]
-        bodies.append(Body(*prisms(layers), _METAL))
+            profile = design.telescope.sleeve
+        layers = [(low + bottom, low + top, base) for bottom, top, base in tubes(profile, middle)]
+        bodies.append(Body(*prisms(layers), METAL))
     return bodies
 
 
-def _dashes(start: FloatArray, end: FloatArray) -> list[Body]:
+def dashes(start: FloatArray, end: FloatArray) -> list[Body]:
     """A dashed line between two points (3,)."""
     count = max(1, round(float(np.hypot(*EYE.view(np.array([end - start]))[0, :2])) / (2.0 * _DASH_MM)))
     shares = np.arange(count)[:, None] + np.array([0.2, 0.8])

@@ -7,20 +7,18 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import numpy as np
 import shapely
 
-from riot.draw.palette import hue
-from riot.draw.scene import Bitmap, Line, Mark, Region, Scene, moved
+from riot.draw.scene import Bitmap, Mark, Scene, moved
 from riot.fabricate.export.instructions import IN_PLACE_STEPS, PIN_STEPS, pins_in_words, shape_names
+from riot.fabricate.export.joint_picture import joint_view
 from riot.fabricate.export.page import HEIGHT, PAGE_MARGIN_MM, WIDTH
-from riot.fabricate.export.paper import Frame, disc, number_marks, region_mark, sheet, text
-from riot.fabricate.export.picture import puzzle_view
+from riot.fabricate.export.paper import Frame, region_mark, sheet, text
 from riot.fabricate.export.poses import chain, closed, drawn, fit, frames_of
 
 if TYPE_CHECKING:
+    from riot.draw.solid import View
     from riot.draw.texture.names import Side
-    from riot.draw.texture.paint import Texture
     from riot.fabricate.model import Design
 
 COVER_MM = 100.0
@@ -29,13 +27,11 @@ COVER_MM = 100.0
 COLUMNS, ROWS = 2, 3
 """Of steps on a page."""
 
-_HEAD_MM, _WORDS_MM, _LETTERS = 12.0, 22.0, 44
-_APART_MM = 9.0
-"""Between two pieces that are to be joined."""
+_HEAD_MM, _NUMBER_MM, _WORDS_MM, _LETTERS = 12.0, 9.0, 20.0, 44
 
 
-def cover(design: Design, textures: Mapping[Side, Texture]) -> Scene:
-    """The front page: the finished puzzle as both shapes, and what is in the bag."""
+def cover(design: Design, views: Mapping[Side, View]) -> Scene:
+    """The front page: ``views`` of the finished puzzle as both shapes, and what is in the bag."""
     names, middle = shape_names(design), 0.5 * WIDTH
     marks: list[Mark] = [
         text(middle, HEIGHT - 32.0, f"{names[0]} ⇄ {names[1]}", 11.0, anchor="middle", weight="bold"),
@@ -44,7 +40,7 @@ def cover(design: Design, textures: Mapping[Side, Texture]) -> Scene:
     top = HEIGHT - 50.0
     sides: tuple[Side, Side] = ("p", "q")
     for side, name in zip(sides, names, strict=True):
-        view = puzzle_view(design, side, textures=textures)
+        view = views[side]
         scale = min((WIDTH - 4 * PAGE_MARGIN_MM) / view.width, (COVER_MM - 10.0) / view.height)
         wide, high = 0.5 * scale * view.width, scale * view.height
         base = top - 0.5 * (COVER_MM - 10.0) - 0.5 * high
@@ -62,7 +58,7 @@ def step_pages(design: Design) -> list[Scene]:
     order = [(first + k) % n for k in range(n)]
     wide = (WIDTH - 2 * PAGE_MARGIN_MM - 10.0 * (COLUMNS - 1)) / COLUMNS
     tall = (HEIGHT - 2 * PAGE_MARGIN_MM - _HEAD_MM) / ROWS
-    room = wide, tall - _WORDS_MM - 6.0
+    room = wide, tall - _NUMBER_MM - _WORDS_MM - 8.0
 
     numbers = ", ".join(str(i + 1) for i in order)
     if design.placement is None:
@@ -86,7 +82,7 @@ def step_pages(design: Design) -> list[Scene]:
         row, column = divmod(place, COLUMNS)
         left = PAGE_MARGIN_MM + column * (wide + 10.0)
         top = HEIGHT - PAGE_MARGIN_MM - _HEAD_MM - row * tall
-        pages[-1] += moved(picture, left + 0.5 * wide, top - 0.5 * room[1] - 4.0)
+        pages[-1] += moved(picture, left + 0.5 * wide, top - _NUMBER_MM - 2.0 - 0.5 * room[1])
         pages[-1].append(region_mark(shapely.box(left, top - tall + 4.0, left + wide, top), "rule"))
         pages[-1].append(text(left + 3.0, top - 8.0, str(number + 1), 7.0, weight="bold"))
         for k, line in enumerate(textwrap.wrap(words, _LETTERS)):
@@ -112,31 +108,8 @@ def _words(design: Design, after: int) -> str:
 
 
 def _joined(design: Design, before: int, after: int, room: tuple[float, float]) -> list[Mark]:
-    """Two pieces side by side and the hinge where they are joined, about the origin."""
-    n, length = len(design.pieces), design.pieces[before].length
-    placed = {before: Frame(0.0, -length, 0.0), after: Frame(0.0, 0.0, 0.0)}
-    regions = {i: frame.region(design.pieces[i].footprint) for i, frame in placed.items()}
-    x0, y0, x1, y1 = shapely.union_all(list(regions.values())).bounds
-    scale = min(1.0, (room[0] - 6.0 - _APART_MM) / (x1 - x0), room[1] / (y1 - y0))
-    middle = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
-    marks: list[Mark] = []
-    ends = []
-    for i, side in ((before, -1.0), (after, 1.0)):
-        shift = np.array([0.5 * side * _APART_MM, 0.0]) - scale * middle
-        rings_ = [scale * placed[i].paper(shapely.get_coordinates(ring)[:-1]) + shift for ring in _outlines(design, i)]
-        marks.append(Region(tuple(rings_), f"piece{hue(i, n)}"))
-        centre = shapely.maximum_inscribed_circle(shapely.Polygon(design.pieces[i].outline)).coords[0]
-        ((x, y),) = (scale * placed[i].paper(np.array([centre])) + shift).tolist()
-        marks += number_marks(x, y, i + 1, 4.0)
-        ends.append(shift)  # the hinge is at the origin
-    radius = max(1.0, 0.5 * scale * design.parameters.pin_mm)
-    marks.append(Line(np.array(ends), "outline"))
-    marks += [disc(float(x), float(y), "hinge", radius) for x, y in ends]
-    x, y = (0.5 * (ends[0] + ends[1])).tolist()
-    marks.append(disc(x, y, "open", 2.2 * radius))
-    return marks
-
-
-def _outlines(design: Design, index: int) -> list[shapely.LinearRing]:
-    footprint = design.pieces[index].footprint
-    return [polygon.exterior for polygon in shapely.get_parts(footprint)]
+    """Two pieces, one over the other, and what joins them, about the origin."""
+    view = joint_view(design, before, after)
+    scale = min(1.0, (room[0] - 6.0) / view.width, room[1] / view.height)
+    wide, high = 0.5 * scale * view.width, 0.5 * scale * view.height
+    return [Bitmap(view.pixels, (-wide, -high, wide, high))]
