@@ -135,7 +135,7 @@ def read_run(folder: Path) -> ReportedRun:
             columns=["score", "n"]
         ):
             pairs_without_trunks[0] += int((batch.column("n").to_numpy() == 0).sum())
-            yield batch.column("score").to_numpy()
+            yield batch.column("score").to_numpy().astype(np.float64)
 
     qcrs = distribution(scores())
     return ReportedRun(

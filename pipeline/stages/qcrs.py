@@ -101,8 +101,9 @@ STAGE = Stage(
                 Column("j", "int32", "second shape (Q)", "shape number"),
                 Column(
                     "score",
-                    "float64",
-                    "QCRS; 0 when the two have no trunks of one size, nan where it was set aside",
+                    "float32",
+                    "QCRS, to 7 digits (`selected` has all); 0 when the two have no trunks of one size, nan where it "
+                    "was set aside",
                     "score in [0, 1]",
                 ),
                 Column("n", "int8", "vertices of the two trunks, 0 = none, −1 = set aside (table of errors)", "count"),

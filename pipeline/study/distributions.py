@@ -113,6 +113,7 @@ def _told(group: Group) -> str:
 def _groups(finished: StudiedRun, reversible: FloatArray) -> Iterator[Group]:
     i, j, score = (finished.quick.column(name).to_numpy() for name in ("i", "j", "score"))
     yield Group("S_r", "", reversible)
+    score = score.astype(np.float64)
     yield Group("QCRS", "", score)
     names = sorted(set(finished.classes) - {""})
     number: IntArray = np.array([names.index(cls) if cls else -1 for cls in finished.classes], dtype=np.int64)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import chain, islice
 from pathlib import Path
 from typing import Any
@@ -11,13 +11,14 @@ import numpy as np
 
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.qcrs import COLUMNS
-from pipeline.tables.outputs import from_columns, new_place, replace_folder, write_parquet
+from pipeline.tables.outputs import from_columns, new_place, replace_folder, write_metadata, write_parquet
 from pipeline.tables.results import Results, Row
 from pipeline.tables.schemas import SCHEMAS, of_table
 from riot.errors import needs_extra
 
 with needs_extra("mine"):
     import pyarrow as pa
+    import pyarrow.parquet as pq
 
 
 Columns = dict[str, Any]
@@ -80,11 +81,14 @@ def crs_rows(results: Results) -> Iterator[Row]:
 ROWS = 1_000_000
 """Rows of a row group of `qcrs`, as readers of Parquet like it: about 10 MB."""
 
-ROW_GROUPS = 8
+ROW_GROUPS = 12
 """Row groups of a file of `qcrs`: some 80 MB."""
 
 PIECE = ROWS // 4
 """Rows that are put in order at a time: a row group has at most so many more."""
+
+METADATA = "_metadata"
+"""The file beside those of `qcrs` that has the statistics of every row group, as Dask reads it."""
 
 
 def write_qcrs(results: Results, folder: Path) -> list[Path]:
@@ -95,37 +99,35 @@ def write_qcrs(results: Results, folder: Path) -> list[Path]:
     temporary = new_place(folder)
     temporary.mkdir()
     schema = SCHEMAS["qcrs"] if results.search is None else results.search.schema()
-    groups = (table.cast(schema) for table in _row_groups(results))
-    names: list[str] = []
+    groups = _row_groups(results, schema)
+    files: dict[str, pq.FileMetaData] = {}
     for first in groups:
-        names.append(f"part-{len(names):04d}.parquet")
-        write_parquet(temporary / names[-1], schema, chain([first], islice(groups, ROW_GROUPS - 1)), ("i", "j"))
+        name = f"part-{len(files):04d}.parquet"
+        files[name] = write_parquet(
+            temporary / name, schema, chain([first], islice(groups, ROW_GROUPS - 1)), ("i", "j")
+        )
+    write_metadata(temporary / METADATA, schema, files)
     replace_folder(temporary, folder / "qcrs")
-    return [folder / "qcrs" / name for name in names]
+    return [folder / "qcrs" / name for name in (*files, METADATA)]
 
 
-def _row_groups(results: Results) -> Iterator[pa.Table]:
+def _row_groups(results: Results, schema: pa.Schema) -> Iterator[pa.Table]:
     """All scored pairs, ordered by i and j, in tables of about `ROWS`; a single empty one if there are none."""
-    waiting: list[Columns] = []
+    waiting = [schema.empty_table()]
     written = rows = 0
     for piece in _collected(results) if "pairs" in results.progress.work else _scored(results):
         piece |= {name: results.numbers[piece[name]] for name in ("i", "j")}
         keep = (piece["i"] >= 0) & (piece["j"] >= 0)
-        waiting.append({name: column[keep] for name, column in piece.items()})
-        rows += int(keep.sum())
+        kinds = {field.name: field.type.to_pandas_dtype() for field in schema}
+        columns = {name: column[keep].astype(kinds[name]) for name, column in piece.items()}
+        waiting.append(from_columns(schema, **columns))
+        rows += len(waiting[-1])
         if rows >= ROWS:
-            yield _table(waiting)
-            written, rows, waiting = written + rows, 0, []
+            table, waiting = pa.concat_tables(waiting), [schema.empty_table()]
+            written, rows = written + rows, 0
+            yield table
     if rows or not written:
-        yield _table(waiting)
-
-
-def _table(pieces: Sequence[Columns]) -> pa.Table:
-    if not pieces:
-        return SCHEMAS["qcrs"].empty_table()
-    return from_columns(
-        SCHEMAS["qcrs"], **{name: np.concatenate([piece[name] for piece in pieces]) for name in COLUMNS}
-    )
+        yield pa.concat_tables(waiting)
 
 
 def _scored(results: Results) -> Iterator[Columns]:

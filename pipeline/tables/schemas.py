@@ -25,6 +25,7 @@ KINDS = {
     "int16": pa.int16(),
     "int32": pa.int32(),
     "int64": pa.int64(),
+    "float32": pa.float32(),
     "float64": pa.float64(),
     "polygon": pa.binary(),
 }
@@ -231,7 +232,7 @@ TABLES = tuple(dict.fromkeys([*OWN_COLUMNS, *(added.table for stage in STAGES fo
 """Names of the tables of results."""
 
 SCHEMAS = {name: _table(name) for name in TABLES} | {"errors": ERRORS, "timings": TIMINGS}
-"""Every table by name; ``qcrs`` is a folder, partitioned by block row, the others ``<name>.parquet``."""
+"""Every table by name; ``qcrs`` is a folder of files, the others ``<name>.parquet``."""
 
 
 def with_parameters(schema: pa.Schema, kinds: Mapping[str, pa.DataType]) -> pa.Schema:
