@@ -16,6 +16,7 @@ from riot.draw import texture  # lazy: what paints takes a second to import
 from riot.draw.texture.names import PATTERNS, SIDES
 from riot.errors import FabricationError
 from riot.fabricate import export
+from riot.fabricate.advice import strengthening
 from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix, way_out
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
@@ -99,6 +100,8 @@ def _certified(transform: Transform, parameters: FabricationParameters, mend: bo
     try:
         puzzle = (fix if mend else build)(transform, parameters)
         _show(puzzle, output)
+        if output.verbose and puzzle.certificate.passed and (words := strengthening(puzzle.design)):
+            output.show(f"advice: {words}")
         if puzzle.certificate.passed:
             return puzzle
         error = FabricationError("uncertified", "; ".join(puzzle.certificate.failures))

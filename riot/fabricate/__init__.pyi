@@ -1,3 +1,4 @@
+from . import advice as advice
 from . import certificate as certificate
 from . import clearance as clearance
 from . import coupon as coupon

@@ -16,7 +16,7 @@ from riot.fabricate.clearance import shaved
 from riot.fabricate.cones import eaves
 from riot.fabricate.layers import make_slabs
 from riot.fabricate.model import Design, HingeEnd, HingePin, Kind, PieceDesign, Role
-from riot.fabricate.outlines import corner_angle, make_outline, narrowest, widening_parameter
+from riot.fabricate.outlines import corner_angle, make_outline, narrowest
 from riot.fabricate.pivot import Pivot, knuckle_radius, make_pivot
 from riot.fabricate.printing_pose import printing_pose, refuse_lifts
 from riot.fabricate.rings import Ring
@@ -179,6 +179,16 @@ def _piece(
     )
 
 
+def strong_width(parameters: FabricationParameters) -> float:
+    """Least width of a place that is strong: two walls, mm."""
+    return 2.0 * min(parameters.wall_mm, STRONG_WALL_MM)
+
+
+def is_weak(piece: PieceDesign, parameters: FabricationParameters) -> bool:
+    """Whether a place of a piece is narrower than is strong, by a tenth of a millimetre or more."""
+    return round(narrowest(piece), 1) < round(strong_width(parameters), 1)
+
+
 def _weaknesses(piece: PieceDesign, raw: FloatArray, parameters: FabricationParameters) -> list[str]:
     """What is weak in a piece, or lost."""
     warnings = []
@@ -186,14 +196,13 @@ def _weaknesses(piece: PieceDesign, raw: FloatArray, parameters: FabricationPara
         angle = corner_angle(raw, end.x, end.relief_radius) if end.kind != "open" else math.pi
         if angle < NARROW_CORNER:
             warnings.append(
-                f"{piece.name}: its corner at hinge {end.hinge} is only {math.degrees(angle):.0f}° wide: a thicker "
-                "knuckle (wall_mm, pin_mm) holds better"
+                f"{piece.name}: its corner at hinge {end.hinge} is only {math.degrees(angle):.0f}° wide, so that "
+                "little holds the knuckle"
             )
-    wall, wanted = narrowest(piece), 2.0 * min(parameters.wall_mm, STRONG_WALL_MM)
-    if wall < wanted:
+    if is_weak(piece, parameters):
         warnings.append(
-            f"{piece.name}: only {wall:.1f} mm wide at its narrowest, where {wanted:g} mm would be strong: "
-            f"a larger {widening_parameter(piece, wanted)} makes that place wider"
+            f"{piece.name}: only {narrowest(piece):.1f} mm wide at its narrowest, where "
+            f"{strong_width(parameters):g} mm would be strong"
         )
     if piece.lost > LARGE_LOSS_SHARE:
         warnings.append(f"{piece.name}: other pieces' hinges take {piece.lost:.1%} of it; a smaller pin_mm takes less")

@@ -207,6 +207,17 @@ class TestPrint:
         assert reason in capsys.readouterr().err
         assert not out.exists()
 
+    def test_says_what_makes_a_weak_place_strong(
+        self, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        assert main(["print", str(saved), "-o", str(tmp_path / "out"), "-v"]) == 0
+        output = capsys.readouterr().out
+        assert "warning: piece-2: only 2.1 mm wide at its narrowest, where 3.2 mm would be strong" in output
+        (wall,) = re.findall(r"advice: no place is narrower than 3.2 mm with --wall=([\d.]+)", output)
+        assert main(["print", str(saved), "-o", str(tmp_path / "strong"), "-v", "--wall", wall]) == 0
+        output = capsys.readouterr().out
+        assert "at its narrowest" not in output and "advice" not in output
+
     def test_fixes_it_when_told_to(self, saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["print", str(saved), "-o", str(tmp_path / "out"), *SMALL, "--fix"]) == 0
         assert "changed: --pin: 1.75 instead of 8" in capsys.readouterr().out
