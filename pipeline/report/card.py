@@ -89,7 +89,7 @@ def card(row: TransformRow, transform: Transform, images: PieceImages = NO_IMAGE
     player = None
     if motion is not None:
         swing = swing_of(transform, prefix, images)
-        player = Player(Markup(fragment(swing.scene, prefix, swing.body, "swing")), loop_times(transform))
+        player = Player(Markup(fragment(swing.scene, prefix, swing.body, "swing")), loop_times(transform, images))
     chain = chain_marks(sketched, 0 if motion is None else motion.open_hinge)
     title = f"The chain of {len(sketched)} pieces laid straight: {row.name_p} below, {row.name_q} above"
     box = around([extent(chain, pieces)], MARGIN)

@@ -16,12 +16,12 @@ from riot.draw.keyframes import (
     painting_order,
     swept_box,
 )
-from riot.draw.panels import sketch
+from riot.draw.panels import shown_from_back, sketch
 from riot.draw.piece_image import NO_IMAGES, PieceImages
-from riot.draw.scene import Dot, Scene
+from riot.draw.scene import Dot, Scene, extent
 from riot.draw.svg import dot, naming, painted, piece_id, whole
 from riot.draw.svg_text import translation
-from riot.draw.tuning import MOTION_PENS, PAUSE_FRAMES, STILL_TIME, SWEPT_MARGIN
+from riot.draw.tuning import MOTION_PENS, PAUSE_FRAMES, STILL_TIME, SWEPT_MARGIN, TURN_FRAMES
 from riot.motion.planner import motion_of
 from riot.transform.motion import Motion
 from riot.transform.transform import Transform
@@ -30,6 +30,10 @@ MOTION_STYLE = (
     ".r-still{display:none}@media (prefers-reduced-motion:reduce){.r-still{display:inline}.r-move{display:none}}"
 )
 """Rules that show the still pose instead of the animation."""
+
+
+_REST = PAUSE_FRAMES // 2
+"""Frames of the pause as P, at either end of the loop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +49,8 @@ def animate_svg(transform: Transform, images: PieceImages = NO_IMAGES) -> str:
 
     It is `Transform.motion`, planned now if it was not: no two pieces of a plane meet. Every piece has key frames of
     translation and rotation, eased at both ends; hinges are dots, larger where they lift, the ends of the open hinge
-    rings. With ``images`` the pieces show their front.
+    rings. With ``images`` the pieces show their front. If the hand sees Q on the back, the puzzle is turned over at the
+    end (`riot.draw.panels.shown_from_back`).
 
     Examples
     --------
@@ -68,17 +73,79 @@ def swing_of(transform: Transform, prefix: str, images: PieceImages = NO_IMAGES)
     names = transform.p.name or "P", transform.q.name or "Q"
     title = f"{len(drawn)} hinged pieces swing from {names[0]} to {names[1]} and back: the chain {motion.words}"
     scene = Scene(title, box, pen, drawn.pieces, tuple(motion_marks(drawn, motion, STILL_TIME)), images)
-    uses = [f'<use href="#{piece_id(prefix, i, images=images)}"/>' for i in range(len(drawn))]
-    moving = "".join(_piece(drawn, i, there, uses[i], pen, motion) for i in painting_order(motion))
+    loop = Loop(frames, shown_from_back(transform, images))
+    uses = [_faces(prefix, i, images, loop) for i in range(len(drawn))]
+    moving = "".join(_piece(drawn, i, there, uses[i], pen, motion, loop) for i in painting_order(motion))
+    if loop.turn:
+        left, _, right, _ = extent(motion_marks(drawn, motion, 1.0), drawn.pieces)
+        moving = _turned_over(moving, 0.5 * (left + right), loop)
     body = f'<g class="r-move">{moving}</g><g class="r-still">{painted(scene, prefix)}</g>'
     return Swing(scene, body)
 
 
-def _piece(drawn: Transform, i: int, there: Keyframes, use: str, pen: float, motion: Motion) -> str:
-    moves = _loop([translation(x, y) for x, y in there.origins[:, i].tolist()])
-    turns = _loop([_degrees(heading) for heading in there.headings[:, i].tolist()])
-    seconds = loop_seconds(len(there.headings) - 1)
-    inner = use
+@dataclass(frozen=True)
+class Loop:
+    """The steps of one loop: a pause around the start, ``frames`` to Q, a pause there, as many back.
+
+    ``turns``: the puzzle is turned over before the pause, and back after it, in `turn` frames each.
+    """
+
+    frames: int
+    turns: bool
+
+    @property
+    def turn(self) -> int:
+        """Frames in which the puzzle is turned over."""
+        return TURN_FRAMES if self.turns else 0
+
+    @property
+    def seconds(self) -> float:
+        """Duration."""
+        return loop_seconds(self.frames + self.turn)
+
+    @property
+    def steps(self) -> int:
+        """Steps between its key frames."""
+        return 2 * (self.frames + self.turn) + PAUSE_FRAMES + 2 * _REST - 1
+
+    def values(self, there: list[str], turn: list[str] | None = None) -> str:
+        """A value for every key frame: on the way there, while it is turned over (as at the end, without), and back."""
+        turn = turn or there[-1:] * self.turn
+        over = [*there[-1:], *turn]
+        held = [*turn, *over[-1:] * PAUSE_FRAMES, *over[-2::-1]]
+        return ";".join([*there[:1] * _REST, *there, *held, *there[-2:0:-1], *there[:1] * _REST])
+
+
+def _turned_over(moving: str, middle: float, loop: Loop) -> str:
+    """All pieces, mirrored about an upright line at the end."""
+    there = ["1 1"] * (loop.frames + 1)
+    turn = [f"{round(math.cos(math.pi * share), 4) + 0.0:g} 1" for share in eased(loop.turn)[1:].tolist()]
+    scale = _animation("scale", loop.values(there, turn), loop.seconds)
+    return (
+        f'<g transform="translate({translation(middle, 0.0)})"><g>{scale}'
+        f'<g transform="translate({translation(-middle, 0.0)})">{moving}</g></g></g>'
+    )
+
+
+def _faces(prefix: str, piece: int, images: PieceImages, loop: Loop) -> str:
+    """What shows of a piece: its front, and its back while that is up, if it looks otherwise."""
+    front, back = (f'<use href="#{piece_id(prefix, piece, side, images)}"' for side in ("p", "q"))
+    if not loop.turn or front == back:
+        return f"{front}/>"
+    edge_on = _REST + loop.frames + 0.5 * loop.turn
+    begin, end = edge_on / loop.steps, (edge_on + loop.turn + PAUSE_FRAMES) / loop.steps
+    times = f'keyTimes="0;{begin:.5f};{end:.5f}" dur="{loop.seconds:.4g}s" repeatCount="indefinite"'
+    shown = '<animate attributeName="visibility" calcMode="discrete" values="{};{};{}" ' + f"{times}/></use>"
+    return (
+        f"{front}>{shown.format('visible', 'hidden', 'visible')}"
+        f'{back} visibility="hidden">{shown.format("hidden", "visible", "hidden")}'
+    )
+
+
+def _piece(drawn: Transform, i: int, there: Keyframes, use: str, pen: float, motion: Motion, loop: Loop) -> str:
+    moves = loop.values([translation(x, y) for x, y in there.origins[:, i].tolist()])
+    turns = loop.values([_degrees(heading) for heading in there.headings[:, i].tolist()])
+    seconds, inner = loop.seconds, use
     if i == (motion.open_hinge - 1) % len(drawn):
         inner += dot(Dot(drawn.pieces[i].length, 0.0, "open"), pen)
     start = dot(hinge_dot(motion, i, 0.0, 0.0), pen)
@@ -87,30 +154,23 @@ def _piece(drawn: Transform, i: int, there: Keyframes, use: str, pen: float, mot
     )
 
 
-def _loop(there: list[str]) -> str:
-    """The key frames of the way there, a pause, the way back, and a pause around the start."""
-    rest = there[:1] * (PAUSE_FRAMES // 2)
-    return ";".join([*rest, *there, *there[-1:] * PAUSE_FRAMES, *there[-2:0:-1], *rest])
+def loop_times(transform: Transform, images: PieceImages = NO_IMAGES) -> dict[str, float]:
+    """When the loop of `swing_of` leaves P (``start``), is Q (``end``) and is over (``duration``), in seconds.
 
-
-def loop_times(transform: Transform) -> dict[str, float]:
-    """When the loop of `swing_of` leaves P (``start``), reaches Q (``end``) and is over (``duration``), in seconds.
-
-    ``mirror`` less a time is the time on the way back at which the pieces lie as at that time.
+    At the end Q is turned over, if it is. ``mirror`` less a time is the time on the way back at which the pieces lie as
+    at that time.
 
     >>> times = loop_times(transform)
     >>> 0.0 < times["start"] < times["end"] < times["duration"] / 2 < times["mirror"] / 2
     True
     """
-    frames = frame_count(motion_of(transform))
-    duration = loop_seconds(frames)
-    rest = PAUSE_FRAMES // 2
-    step = duration / (len(_loop([""] * (frames + 1)).split(";")) - 1)
+    loop = Loop(frame_count(motion_of(transform)), shown_from_back(transform, images))
+    step, there = loop.seconds / loop.steps, _REST + loop.frames + loop.turn
     return {
-        "start": rest * step,
-        "end": (rest + frames) * step,
-        "mirror": 2 * (rest + frames + rest) * step,
-        "duration": duration,
+        "start": _REST * step,
+        "end": there * step,
+        "mirror": (2 * there + PAUSE_FRAMES) * step,
+        "duration": loop.seconds,
     }
 
 

@@ -86,7 +86,9 @@ def test_a_transform_swings_with_and_without_scripts(transform: riot.Transform) 
     assert html == transform._repr_html_()
 
 
-def test_the_slider_ends_where_the_pieces_lie_as_p_and_as_q(transform: riot.Transform) -> None:
+@pytest.mark.parametrize("back", [False, True])
+def test_the_slider_ends_where_the_pieces_lie_as_p_and_as_q(transform: riot.Transform, back: bool) -> None:
+    transform = replace(transform, mirrored_q=back)
     times = loop_times(transform)
     for animation in ET.fromstring(animate_svg(transform)).iter(f"{SVG}animateTransform"):
         values = animation.attrib["values"].split(";")
@@ -100,8 +102,8 @@ def test_the_slider_ends_where_the_pieces_lie_as_p_and_as_q(transform: riot.Tran
 
         way = [at(times["start"] + k * times["duration"] / steps) for k in range(steps // 2)]
         assert way[0] == values[0] and at(times["end"]) in values
-        back = [at(times["mirror"] - times["start"] - k * times["duration"] / steps) for k in range(steps // 2)]
-        assert way == back
+        returns = [at(times["mirror"] - times["start"] - k * times["duration"] / steps) for k in range(steps // 2)]
+        assert way == returns
 
 
 def test_results_are_tables_and_frames(house: riot.Shape, transform: riot.Transform) -> None:

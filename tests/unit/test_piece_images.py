@@ -137,12 +137,29 @@ def test_svg_defines_every_skin_once_and_uses_it(transform: Transform, images: P
     assert len(links) == 2 * n and all(link.startswith("data:image/jpeg;base64,") for link in links)
 
 
-def test_the_motion_shows_the_front(transform: Transform, images: PieceImages) -> None:
+def test_the_motion_shows_the_front_and_the_back_while_it_is_up(transform: Transform, images: PieceImages) -> None:
     prefix = naming(transform.pieces, images)
-    assert f"#{prefix}p0" in swing_of(transform, prefix, images).body
+    front = swing_of(transform, prefix, {"p": images["p"]}).body
+    assert f"#{prefix}p0" in front and "visibility" not in front and 'type="scale"' not in front
     back = {"q": images["q"]}
     assert piece_id(prefix, 0, images=back) == f"{prefix}0" and piece_id(prefix, 0, "q", back) == f"{prefix}q0"
-    assert f"#{prefix}q0" not in swing_of(transform, prefix, back).body
+    for given, shown in ((images, f"{prefix}p0"), (back, f"{prefix}0")):
+        root = ElementTree.fromstring(f'<svg xmlns="{SPACE[1:-1]}">{swing_of(transform, prefix, given).body}</svg>')
+        (moving,) = (group for group in root.iter(f"{SPACE}g") if group.attrib.get("class") == "r-move")
+        (turn,) = (entry for entry in moving.iter(f"{SPACE}animateTransform") if entry.attrib["type"] == "scale")
+        scales = [float(value.split()[0]) for value in turn.attrib["values"].split(";")]
+        assert min(scales) == -1.0 and scales[0] == scales[-1] == 1.0
+        uses = {use.attrib["href"]: use for use in moving.iter(f"{SPACE}use")}
+        for name, values in (
+            (shown, ["visible", "hidden", "visible"]),
+            (f"{prefix}q0", ["hidden", "visible", "hidden"]),
+        ):
+            (change,) = uses[f"#{name}"]
+            assert change.attrib["values"].split(";") == values
+            # It changes where the puzzle is edge-on.
+            for time in change.attrib["keyTimes"].split(";")[1:]:
+                at = float(time) * (len(scales) - 1)
+                assert np.interp(at, np.arange(len(scales)), scales) == pytest.approx(0.0, abs=0.01)
 
 
 def test_names_of_pieces_depend_on_their_images(transform: Transform, images: PieceImages) -> None:
