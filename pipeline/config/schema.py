@@ -71,12 +71,12 @@ class QcrsConfig(ParameterGroup):
     sigma_area: float | None = parameter(
         None, above=0, unit="areas", source="paper §5.2", meaning="Width of the area term; null = the variant's own."
     )
-    mode: Literal["all", "topk"] = parameter(
+    mode: Literal["all", "topk", "approximate"] = parameter(
         "all",
         meaning="all: every pair is scored and tabulated. topk: only those among the k best partners of either shape, "
-        "which an index finds. Both are exact.",
+        "which an index finds. Both are exact. approximate: as topk, for less; about one pair in a hundred is missing.",
     )
-    k: int = parameter(20, at_least=1, meaning="Partners of a shape (mode topk).")
+    k: int = parameter(20, at_least=1, meaning="Partners of a shape (modes topk and approximate).")
 
     @property
     def sigmas(self) -> QcrsParameters:

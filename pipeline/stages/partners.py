@@ -1,11 +1,13 @@
 """The best partners of every shape of a batch within its own shard, scored as in a run over all pairs (ours).
 
-`partners_beyond` looks into the other shards, only for partners that are as good.
+`partners_beyond` looks into the other shards, only for partners that are as good. With ``qcrs.mode=approximate`` it
+compares there only those trunks of a shape that are near to some trunk here: a twentieth of them gives nearly all of a
+shape's best partners.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,11 +26,14 @@ from riot.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from riot.scores.index import Partners, TrunkIndex
-    from riot.scores.qcrs import BlockScores
     from riot.scores.trunk_stack import TrunkStack
 
 ROUNDING = 1e-9
 """Greatest relative difference of a pair's scores in its two directions, which sum in different orders (ours)."""
+
+MARGIN = 1.2
+"""How many times as far from a trunk in the own shard as the last partner a trunk may be to be compared beyond, with
+``qcrs.mode=approximate``. Ours: .99 of the best partners are found, at the least price."""
 
 TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
 """Types of columns; the others are int32."""
@@ -37,10 +42,12 @@ TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
 @dataclass(frozen=True)
 class ShardPosition:
     """How a batch lies to a shard: ``first`` is the number of its first shape in the shard, −1 if it is not in it;
-    ``after`` says whether it comes after the shard in the collection."""
+    ``after`` says whether it comes after the shard in the collection. ``rank``: what is worse than this partner in the
+    own shard need not be found in this one; 0 stands for the last."""
 
     first: int
     after: bool
+    rank: int = 0
 
 
 def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex:
@@ -53,49 +60,59 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: ShardPosition | 
 
     A `SubBlock` restricts the rows i. Only scores above 0 count; among equals the earlier j comes first. ``trunk_i``,
     ``trunk_j`` and ``shift`` belong to the pair with its earlier shape first, in whichever direction it was searched.
-    ``compared`` in the document counts the pairs of which the distance of two trunks was computed.
+    ``compared`` in the document counts the pairs of which the distance of two trunks was computed. ``promising`` (p, 2)
+    are shapes of the batch and their trunks that are worth comparing in other shards.
     """
-    settings, count = parameters
+    settings, count, mode = parameters
     query, index = inputs
-    return search(query, index, count, settings, spec, np.zeros(len(query)))
+    position, rows = rows_of(spec, query)
+    wanted = Wanted(count, settings, MARGIN if mode == "approximate" else 1.0)
+    return find(query, index, wanted, position, rows, np.zeros(len(query)))
 
 
-def search(
-    query: TrunkStack,
-    index: TrunkIndex,
-    count: int,
-    settings: QcrsParameters,
-    spec: ShardPosition | SubBlock,
-    least: FloatArray,
-) -> Artifact:
-    """The rows that `run` returns; a shape's that score below its ``least`` (batch,) may be missing."""
-    position, rows = (spec.whole, spec.rows) if isinstance(spec, SubBlock) else (spec, (0, len(query)))
-    best, compared = find(query, index, count, settings, position, range(*rows), least)
-    return Artifact({name: np.asarray(getattr(best, name)) for name in COLUMNS}, {"compared": compared})
+def rows_of(spec: ShardPosition | SubBlock, query: TrunkStack) -> tuple[ShardPosition, range]:
+    """The position of a batch, and which of its shapes are searched for."""
+    return (spec.whole, range(*spec.rows)) if isinstance(spec, SubBlock) else (spec, range(len(query)))
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How many partners of a shape are wanted, how they are scored, and the margin of promising trunks."""
+
+    count: int
+    settings: QcrsParameters
+    margin: float = 1.0
 
 
 def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
     """The artifact of a batch from those of its sub-blocks, in any order; ``lost`` sub-blocks have no rows."""
     empty = {name: np.empty(0, TYPES.get(name, np.int32)) for name in COLUMNS}
-    pieces = [empty, *(artifact.arrays for artifact in artifacts)]
-    rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in COLUMNS}
+    pieces = [{**empty, "promising": np.empty((0, 2), np.int32)}, *(artifact.arrays for artifact in artifacts)]
+    rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in pieces[0]}
     order = np.argsort(rows["i"], kind="stable")  # all rows of an i are in one sub-block, the best first
+    promising = rows.pop("promising")
     compared = sum(int(artifact.document["compared"]) for artifact in artifacts)
-    return Artifact({name: column[order] for name, column in rows.items()}, {"compared": compared})
+    columns = {name: column[order] for name, column in rows.items()}
+    in_order = promising[np.argsort(promising[:, 0], kind="stable")]
+    return Artifact({**columns, "promising": in_order}, {"compared": compared})
 
 
 def find(
     query: TrunkStack,
     index: TrunkIndex,
-    count: int,
-    settings: QcrsParameters,
+    wanted: Wanted,
     position: ShardPosition,
     rows: range,
     least: FloatArray,
-) -> tuple[BlockScores, int]:
-    """The rows of `search` for the shapes ``rows`` of the query, and the number of pairs compared."""
+    few: Mapping[int, IntArray] | None = None,
+) -> Artifact:
+    """The rows that `run` returns, of the shapes ``rows``; a shape's that score below its ``least`` (batch,) may be
+    missing.
+
+    Of the shapes in ``few`` only those trunks are compared; their partners are scored by all trunks, as any others.
+    """
     own_indices = [position.first + i if position.first >= 0 else -1 for i in range(len(query))]
-    partners = [_nearest(query.shape(i), index, count, settings, own_indices[i], float(least[i])) for i in rows]
+    partners = [_nearest(_trunks_of(query, i, few or {}), index, wanted, own_indices[i], float(least[i])) for i in rows]
     i = np.repeat(rows, [len(nearest.scores.j) for nearest in partners]).astype(np.int32)
     columns = {
         name: np.concatenate([np.empty(0, np.int32), *(getattr(nearest.scores, name) for nearest in partners)])
@@ -104,37 +121,60 @@ def find(
     columns["i"] = i
     in_shard = position.first >= 0
     earlier = columns["j"] < np.array([*own_indices, 0])[i] if in_shard else np.full(len(i), position.after)
-    _turn(query, index, columns, np.flatnonzero(earlier), settings)
+    _score_again(query, index, columns, np.flatnonzero(earlier), wanted.settings, shard_first=True)
+    if few is not None:
+        _score_again(query, index, columns, np.flatnonzero(~earlier), wanted.settings, shard_first=False)
     order = np.lexsort((columns["j"], -columns["score"], i))
     rank = np.arange(len(i)) - np.searchsorted(i, i)  # i ascends, before and after
-    order = order[(rank < count) & (columns["score"][order] > 0)]
+    order = order[(rank < wanted.count) & (columns["score"][order] > 0)]
     best = {name: columns[name][order].astype(TYPES.get(name, np.int32)) for name in COLUMNS}
-    return scores.qcrs.BlockScores(**best), sum(nearest.compared for nearest in partners)
+    promising = [np.column_stack([np.full(len(p), k), p]) for k, p in zip(rows, _promising(partners), strict=True)]
+    trunks = np.concatenate([np.empty((0, 2), np.int32), *promising]).astype(np.int32)
+    return Artifact({**best, "promising": trunks}, {"compared": sum(nearest.compared for nearest in partners)})
 
 
-def _nearest(
-    shape: TrunkStack, index: TrunkIndex, count: int, settings: QcrsParameters, own_index: int, least: float
-) -> Partners:
+def _trunks_of(query: TrunkStack, i: int, few: Mapping[int, IntArray]) -> TrunkStack:
+    shape = query.shape(i)
+    return scores.trunk_stack.chosen(shape, few[i]) if i in few else shape
+
+
+def _promising(partners: Sequence[Partners]) -> list[IntArray]:
+    return [nearest.promising[:, 1].astype(np.int64) for nearest in partners]
+
+
+def _nearest(shape: TrunkStack, index: TrunkIndex, wanted: Wanted, own_index: int, least: float) -> Partners:
     """The best partners of a shape, and as many more as are needed to have the best ones in either direction."""
-    asked = count + 1
+    asked = wanted.count + 1
     while True:
-        nearest = scores.index.best_partners(index, shape, asked, settings, least * (1 - ROUNDING), [own_index])
+        nearest = scores.index.best_partners(
+            index, shape, asked, wanted.settings, least * (1 - ROUNDING), [own_index], wanted.margin
+        )
         score = nearest.scores.score
-        if len(score) < asked or score[-1] < score[count - 1] * (1 - ROUNDING):
+        if len(score) < asked or score[-1] < score[wanted.count - 1] * (1 - ROUNDING):
             return nearest
         asked *= 2
 
 
-def _turn(
-    query: TrunkStack, index: TrunkIndex, columns: dict[str, Any], rows: IntArray, settings: QcrsParameters
+def _score_again(
+    query: TrunkStack,
+    index: TrunkIndex,
+    columns: dict[str, Any],
+    rows: IntArray,
+    settings: QcrsParameters,
+    *,
+    shard_first: bool,
 ) -> None:
-    """Score again, from the side of the shard's shape, the pairs of which it is the earlier shape."""
+    """Score again the pairs of ``rows`` by all trunks, from the side of the shard's shape or of the query's."""
     if len(rows) == 0:
         return
     numbers, number = np.unique(columns["j"][rows], return_inverse=True)
-    first = scores.index.join([index.trunks.shape(int(j)) for j in numbers])
+    partners = scores.index.join([index.trunks.shape(int(j)) for j in numbers])
     pairs = np.column_stack([number, columns["i"][rows]]).astype(np.int64)
-    again = scores.qcrs.score_pairs(first, query, pairs, settings, columns["score"][rows] * (1 - ROUNDING))
+    least = columns["score"][rows] * (1 - ROUNDING)
+    if shard_first:
+        again = scores.qcrs.score_pairs(partners, query, pairs, settings, least)
+    else:
+        again = scores.qcrs.score_pairs(query, partners, pairs[:, ::-1].copy(), settings, least)
     for name in ("score", "n", "trunk_i", "trunk_j", "shift"):
         columns[name][rows] = getattr(again, name)
 
@@ -170,7 +210,7 @@ STAGE = Stage(
     name="partners",
     unit="searches of batches in parts",
     after=("shards",),
-    parameters=("qcrs", "qcrs.k"),
+    parameters=("qcrs", "qcrs.k", "qcrs.mode"),
     items=items,
     run=run,
     scope="block",

@@ -70,7 +70,7 @@ def items(progress: Progress) -> list[WorkItem]:
 
 def searches(config: Config) -> bool:
     """Whether a run looks for each shape's best partners through an index, instead of scoring every pair."""
-    return config.qcrs.mode == "topk"
+    return config.qcrs.mode != "all"
 
 
 STAGE = Stage(

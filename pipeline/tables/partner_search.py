@@ -1,4 +1,4 @@
-"""The figures of a search with ``qcrs.mode=topk``, as metadata of the table of pairs and as a sentence."""
+"""The figures of a search for partners, as metadata of the table of pairs and as a sentence."""
 
 from __future__ import annotations
 
@@ -18,13 +18,15 @@ class PartnerSearch:
     """A search for the ``k`` best partners of each of ``shapes`` shapes.
 
     ``compared`` counts comparisons of trunks: a pair counts twice if it is compared from both sides. The search failed
-    in some shards for ``missed`` shapes: the table may lack partners of them.
+    in some shards for ``missed`` shapes: the table may lack partners of them. ``approximate`` is 1 if it may lack some
+    of any shape.
     """
 
     k: int
     shapes: int
     compared: int
     missed: int = 0
+    approximate: int = 0
 
     @property
     def pairs(self) -> int:
@@ -34,15 +36,17 @@ class PartnerSearch:
     @property
     def meaning(self) -> str:
         """Which pairs the table has."""
-        return f"every pair i < j of which one is among the {several(self.k, 'best partner')} of the other"
+        every = "nearly every" if self.approximate else "every"
+        return f"{every} pair i < j of which one is among the {several(self.k, 'best partner')} of the other"
 
     def sentence(self, kept: int) -> str:
         """Describe the search for the summary and the report; ``kept`` is the number of rows of the table."""
         missed = (
             f" Partners of {several(self.missed, 'shape')} could not be searched for everywhere." if self.missed else ""
         )
+        mode = "approximate" if self.approximate else "topk"
         return (
-            f"qcrs.mode=topk: {kept:,} of {several(self.pairs, 'pair')} kept, {self.meaning}, and the selection saw "
+            f"qcrs.mode={mode}: {kept:,} of {several(self.pairs, 'pair')} kept, {self.meaning}, and the selection saw "
             f"only these; of {2 * self.pairs:,} comparisons of a shape with another {self.compared:,} were made."
             + missed
         )
@@ -50,9 +54,8 @@ class PartnerSearch:
     def schema(self) -> pa.Schema:
         """The schema of `qcrs` with these numbers and another meaning in its metadata."""
         numbers = asdict(self)
-        if not self.missed:
-            del numbers["missed"]  # the metadata mention failures only if there are any
-        encoded = {name.encode(): str(value).encode() for name, value in numbers.items()}
+        always = ("k", "shapes", "compared")  # the metadata mention what is amiss only if it is
+        encoded = {name.encode(): str(value).encode() for name, value in numbers.items() if value or name in always}
         meaning = f"Quick cross-reversibility score (paper §5.2) of {self.meaning} (ours).".encode()
         return tables.SCHEMAS["qcrs"].with_metadata({**tables.SCHEMAS["qcrs"].metadata, b"meaning": meaning, **encoded})
 

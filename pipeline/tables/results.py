@@ -122,7 +122,8 @@ class Results:
             for member in item.members
         }
         known = sum(bool(self.numbers[member] >= 0) for member in missed)
-        return PartnerSearch(self.config.qcrs.k, self.shapes, int(collected[0].document["compared"]), known)
+        compared, approximate = int(collected[0].document["compared"]), self.config.qcrs.mode == "approximate"
+        return PartnerSearch(self.config.qcrs.k, self.shapes, compared, known, int(approximate))
 
     @cached_property
     def without_trunks(self) -> int:

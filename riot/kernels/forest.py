@@ -46,9 +46,11 @@ class Forest(NamedTuple):
 
 
 class Scale(NamedTuple):
-    """σ_E, σ_∠ and σ_A in absolute units, and the greatest rounding error of a bound in single precision."""
+    """σ_E, σ_∠ and σ_A in absolute units, the greatest rounding error of a bound in single precision, and how many
+    times as far as the last partner a search looks for promising trunks."""
 
     edge: float
     angle: float
     area: float
     slack: float
+    margin: float

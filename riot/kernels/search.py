@@ -290,7 +290,7 @@ class SearchBuffers(NamedTuple):
 @inner
 def _nearest(
     i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, lone: bool, apart: Single,
-    owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array,
+    owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array, nearest: FloatArray,
 ) -> None:  # fmt: skip
     """For every owner of trunks of shape j, find the one nearest to a trunk of shape i, if the owner may be among the
     len(tops) nearest.
@@ -298,8 +298,10 @@ def _nearest(
     If not ``lone``, j is a cell, and the leaves of shape i that are too far ``apart`` from it are passed over.
 
     ``owners`` (t,) are the owners of b's trunks. ``tops`` (k,) are the least distances of k owners so far, ascending;
-    the search reaches as far as the last. For every owner ``bests`` becomes D, ``winners`` (T, T', shift) with trunks
-    numbered among all, and ``met`` 1 where D of two trunks was computed.
+    the search reaches as far as the last, times the margin of the scale. For every owner ``bests`` becomes D,
+    ``winners`` (T, T', shift) with trunks numbered among all, and ``met`` 1 where D of two trunks was computed.
+    ``nearest`` (a's trunks,) becomes the least D of every trunk that is within reach of another. An owner whose entry
+    of ``bests`` is below 0 counts for nothing.
     """
     # To take an array out of a tuple costs more than most of what is done with it below.
     groups_a, sizes_a, leaves_a, tiles_a, begins_a = a.groups, a.sizes, a.leaves, a.tiles, a.begins
@@ -310,7 +312,7 @@ def _nearest(
     eb, ab, bb, wb = b.edges, b.alphas, b.betas, b.areas
     bounds, least, rows, order, box = buffers.bounds, buffers.least, buffers.rows, buffers.order, buffers.box
     sigma_edge, sigma_angle, sigma_area, slack = scale.edge, scale.angle, scale.area, scale.slack
-    reach = tops[-1]
+    reach = scale.margin * tops[-1]
     area = np.float32(2.0 / sigma_area)
     limit = np.float32(np.float32(reach + slack)).view(np.int32)
     count, first_leaf = 0, leaves_a[groups_a[i]]
@@ -368,12 +370,12 @@ def _nearest(
                     near = np.float32(reach + slack)
                     if sweep == 0:
                         first = 0
-                        nearest = INFINITY_BITS
+                        lowest = INFINITY_BITS
                         for k in range(QCRS_LEAF):
                             low = _least(features_a, x, k, features_b, y, edge, angle, area)
-                            if low < nearest:
-                                nearest, first = low, k
-                        near, lanes = np.int32(nearest).view(np.float32), LANE_BITS[first]
+                            if low < lowest:
+                                lowest, first = low, k
+                        near, lanes = np.int32(lowest).view(np.float32), LANE_BITS[first]
                     else:
                         for f in range(2 * FEATURES):
                             box[f] = boxes_b[tiles_b[h] + column, f, lane]
@@ -403,13 +405,15 @@ def _nearest(
                                 1.0 / (n * sigma_edge), 1.0 / (2.0 * n * sigma_angle),
                                 2.0 * abs(wa[t] + wb[u] - 1.0) / sigma_area,
                             )  # fmt: skip
-                            if far > reach or far > bests[o]:
+                            if bests[o] >= 0.0:
+                                nearest[t] = min(nearest[t], far)
+                            if far > tops[-1] or far > bests[o]:
                                 continue
                             if far < bests[o] or t < winners[o, 0] or (t == winners[o, 0] and u < winners[o, 1]):
                                 _improve(tops, bests[o], far)
                                 bests[o] = far
                                 winners[o, 0], winners[o, 1], winners[o, 2] = t, u, s
-                                reach = tops[-1]
+                                reach = scale.margin * tops[-1]
                                 if sweep == 1:
                                     near = np.float32(reach + slack)
                     enough = np.int32(-1) if sweep == 0 else np.float32(near).view(np.int32)
@@ -419,7 +423,7 @@ def _nearest(
 def _search(
     pairs: IntArray, limits: FloatArray, lone: bool, far: Single, a: Forest, b: Forest, scale: Scale,
     buffers: SearchBuffers, owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array,
-    met: Int32Array, out: FloatArray, out_winners: Int32Array,
+    met: Int32Array, nearest: FloatArray, out: FloatArray, out_winners: Int32Array,
 ) -> None:  # fmt: skip
     """`_nearest` of ``pairs`` (k, 2) of shape numbers, one after the other.
 
@@ -431,9 +435,9 @@ def _search(
         if lone:
             tops[0], bests[0], winners[0, 0] = limits[k], np.inf, -1
             winners[0, 1] = winners[0, 2] = -1
-        elif limits[k] > tops[-1] + scale.slack:
+        elif limits[k] > scale.margin * tops[-1] + scale.slack:
             break
-        _nearest(pairs[k, 0], a, pairs[k, 1], b, scale, buffers, lone, far, owners, tops, bests, winners, met)
+        _nearest(pairs[k, 0], a, pairs[k, 1], b, scale, buffers, lone, far, owners, tops, bests, winners, met, nearest)
         if lone:
             out[k] = bests[0]
             for c in range(3):
@@ -485,9 +489,9 @@ def block(
     among equals the first by (T, T', shift) wins.
     """
     owners, met, far = np.zeros(len(b.areas), np.int32), np.empty(1, np.int32), np.empty((1, 1, 1), np.float32)
-    top, best, winner = np.empty(1), np.empty(1), np.empty((1, 3), np.int32)
+    top, best, winner, nearest = np.empty(1), np.empty(1), np.empty((1, 3), np.int32), np.empty(len(a.areas))
     buffers = make_buffers(a, b)
-    _search(pairs, limits, True, far, a, b, scale, buffers, owners, top, best, winner, met, out, winners)
+    _search(pairs, limits, True, far, a, b, scale, buffers, owners, top, best, winner, met, nearest, out, winners)
     there = winners[:, 0] >= 0
     winners[there, 0] -= a.starts[pairs[there, 0]].astype(np.int32)
     winners[there, 1] -= b.starts[pairs[there, 1]].astype(np.int32)
@@ -495,7 +499,7 @@ def block(
 
 def partners(
     i: int, a: Forest, b: Forest, owners: Int32Array, crowns: Single, scale: Scale, tops: FloatArray, bests: FloatArray,
-    winners: Int32Array, met: Int32Array,
+    winners: Int32Array, met: Int32Array, nearest: FloatArray,
 ) -> None:  # fmt: skip
     """The nearest owners of b's trunks for shape i of a: see `_nearest`. b's "shapes" are cells of similar trunks.
 
@@ -508,12 +512,12 @@ def partners(
         return
     far = np.empty((rows, len(crowns), TILE_LEAVES), np.float32)
     _cell_distances(i, a, b, crowns, scale, far, buffers.box)
-    nearest = far.min(axis=0).reshape(-1)[:cells]
-    order = np.argsort(nearest, kind="stable")
+    distances = far.min(axis=0).reshape(-1)[:cells]
+    order = np.argsort(distances, kind="stable")
     pairs = np.empty((len(order), 2), np.int64)
     pairs[:, 0], pairs[:, 1] = i, order
-    limits = nearest[order].astype(np.float64)
-    _search(pairs, limits, False, far, a, b, scale, buffers, owners, tops, bests, winners, met, bests, winners)
+    limits = distances[order].astype(np.float64)
+    _search(pairs, limits, False, far, a, b, scale, buffers, owners, tops, bests, winners, met, nearest, bests, winners)
 
 
 def warm() -> None:
@@ -527,6 +531,8 @@ def warm() -> None:
         ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, area,
     )  # fmt: skip
     out, winners = np.empty(1), np.empty((1, 3), np.int32)
-    block(np.zeros((1, 2), np.int64), forest, forest, Scale(0.1, 0.5, 0.1, 1e-4), np.full(1, np.inf), out, winners)
+    block(np.zeros((1, 2), np.int64), forest, forest, Scale(0.1, 0.5, 0.1, 1e-4, 1.0), np.full(1, np.inf), out, winners)
     crowns, met = np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.zeros(1, np.int32)
-    partners(0, forest, forest, met, crowns, Scale(0.1, 0.5, 0.1, 1e-4), np.ones(1), np.ones(1), winners, met)
+    partners(
+        0, forest, forest, met, crowns, Scale(0.1, 0.5, 0.1, 1e-4, 1.0), np.ones(1), np.ones(1), winners, met, area
+    )

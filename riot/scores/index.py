@@ -101,11 +101,13 @@ class TrunkIndex:
 class Partners:
     """The best pairs, best first (ties: i, then j), and the number of pairs that were compared for that.
 
-    ``compared`` counts the pairs of shapes of which the distance of two trunks was computed.
+    ``compared`` counts the pairs of shapes of which the distance of two trunks was computed. ``promising`` (p, 2) are
+    the query's trunks, as shape and number, near enough to a trunk of another shape.
     """
 
     scores: BlockScores
     compared: int
+    promising: npt.NDArray[np.int32]
 
 
 def join(stacks: Sequence[TrunkStack]) -> TrunkStack:
@@ -138,11 +140,13 @@ def best_partners(
     parameters: QcrsParameters | None = None,
     least: float = 0.0,
     itself: Sequence[int] | None = None,
+    margin: float = 1.0,
 ) -> Partners:
     """For every shape of ``query`` the ``count`` best partners in the index that score above 0 and at least ``least``.
 
     ``itself`` gives the number of every query shape in the index, which is no partner, or −1. In the
     scores, i numbers the query's shapes and j the index's. Exact; among equals the first by (j; trunks; shift).
+    ``margin`` says how many times as far as the last partner a trunk of another shape may be from a promising one.
     Raises ValueError if ``count`` < 1.
 
     >>> from riot.scores.trunk_stack import stack
@@ -153,11 +157,17 @@ def best_partners(
     """
     if count < 1:
         raise ValueError(f"best_partners({count=}): ask for one partner at least")
+    itself = [-1] * len(query) if itself is None else itself
     searches = [
-        _search(index, query, i, count, parameters, float(distance_of(least)), [] if itself is None else [itself[i]])
+        _search(index, query, i, count, parameters, float(distance_of(least)), itself[i : i + 1], margin)
         for i in range(len(query))
     ]
-    return Partners(_collect(query, [rows for rows, _ in searches]), sum(met for _, met in searches))
+    promising = [np.stack([np.full_like(near, i), near], axis=1) for i, (_, _, near) in enumerate(searches)]
+    return Partners(
+        _collect(query, [rows for rows, _, _ in searches]),
+        sum(met for _, met, _ in searches),
+        np.concatenate([np.empty((0, 2), np.int32), *promising]),
+    )
 
 
 def best_pairs(index: TrunkIndex, count: int, parameters: QcrsParameters | None = None, least: float = 0.0) -> Partners:
@@ -176,13 +186,13 @@ def best_pairs(index: TrunkIndex, count: int, parameters: QcrsParameters | None 
     kept = np.empty((0, 6))
     compared = 0
     for i in range(len(index)):
-        rows, met = _search(index, index.trunks, i, count, parameters, limit, range(i + 1))
+        rows, met, _ = _search(index, index.trunks, i, count, parameters, limit, range(i + 1))
         compared += met
         kept = np.concatenate([kept, rows])
         kept = kept[np.lexsort((kept[:, 1], kept[:, 0], kept[:, 2]))][:count]
         if len(kept) == count:
             limit = min(limit, float(kept[-1, 2]))
-    return Partners(_collect(index.trunks, [kept]), compared)
+    return Partners(_collect(index.trunks, [kept]), compared, np.empty((0, 2), np.int32))
 
 
 def _search(
@@ -193,22 +203,27 @@ def _search(
     parameters: QcrsParameters | None,
     limit: float,
     not_these: Sequence[int] | range,
-) -> tuple[npt.NDArray[np.float64], int]:
-    """(k, 6) i, j, D, T, T', shift of the nearest, nearest first; and the number of shapes that were compared."""
+    margin: float = 1.0,
+) -> tuple[npt.NDArray[np.float64], int, npt.NDArray[np.int32]]:
+    """(k, 6) i, j, D, T, T', shift of the nearest, nearest first; the number of shapes that were compared; and the
+    numbers of the promising trunks of shape i."""
     bests = np.full(len(index), np.inf)
     out = [number for number in not_these if number >= 0]
     bests[out] = -1.0
     winners = np.full((len(index), 3), -1, dtype=np.int32)
     met = np.zeros(len(index), dtype=np.int32)
     tops = np.full(count, limit)
-    scale = scale_of(query, index.trunks, parameters or QcrsParameters())
-    partners(i, query.forest, index.cells, index.owners, index.crowns, scale, tops, bests, winners, met)
+    trunks = np.full(len(query.areas), np.inf)
+    scale = scale_of(query, index.trunks, parameters or QcrsParameters(), margin)
+    partners(i, query.forest, index.cells, index.owners, index.crowns, scale, tops, bests, winners, met, trunks)
     met[out] = 0
     near = np.flatnonzero((winners[:, 0] >= 0) & (bests <= tops[-1]))
     near = near[np.lexsort((near, bests[near]))][:count]
     t, u = winners[near, 0] - query.starts[i], winners[near, 1] - index.trunks.starts[near]
     rows = np.column_stack([np.full(len(near), i), near, bests[near], t, u, winners[near, 2]])
-    return rows.astype(np.float64), int(met.sum())
+    of_shape = trunks[query.starts[i] : query.starts[i + 1]]
+    promising = np.flatnonzero((of_shape < np.inf) & (of_shape <= margin * tops[-1]))
+    return rows.astype(np.float64), int(met.sum()), promising.astype(np.int32)
 
 
 def _collect(query: TrunkStack, rows: Sequence[npt.NDArray[np.float64]]) -> BlockScores:

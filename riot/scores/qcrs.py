@@ -188,7 +188,7 @@ def _scores(a: TrunkStack, pairs: IntArray, distance: FloatArray, winners: npt.N
     )
 
 
-def scale_of(a: TrunkStack, b: TrunkStack, parameters: QcrsParameters) -> Scale:
+def scale_of(a: TrunkStack, b: TrunkStack, parameters: QcrsParameters, margin: float = 1.0) -> Scale:
     """The sigmas, and a bound of the rounding of the search's single-precision bounds.
 
     They are sums of up to 2n differences, each of two numbers of at most ``edge`` or ``angle``: every number,
@@ -197,4 +197,4 @@ def scale_of(a: TrunkStack, b: TrunkStack, parameters: QcrsParameters) -> Scale:
     sigma_edge, sigma_angle, sigma_area = parameters.sigma_e * D_C, parameters.sigma_angle, parameters.sigma_area
     edge, angle, corners = map(max, a.extremes, b.extremes)
     greatest = 2.0 * (edge / sigma_edge + angle / sigma_angle + 2.0 / sigma_area)
-    return Scale(sigma_edge, sigma_angle, sigma_area, 2.0**-24 * (2 * corners + 16) * greatest)
+    return Scale(sigma_edge, sigma_angle, sigma_area, 2.0**-24 * (2 * corners + 16) * greatest, margin)

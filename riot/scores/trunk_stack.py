@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -140,6 +140,28 @@ def of_sizes(trunks: TrunkStack, least: int, most: int) -> TrunkStack:
         leaf_starts=running(kept_leaves)[trunks.leaf_starts],
         leaves=(before[trunks.leaves[kept_leaves] + first] - before[first]).astype(np.int32),
     )
+
+
+def chosen(shape: TrunkStack, numbers: npt.NDArray[Any]) -> TrunkStack:
+    """The trunks ``numbers``, ascending, of a stack of one shape, numbered anew.
+
+    >>> from riot.scores.trunks import quick_trunks
+    >>> len(chosen(stack([quick_trunks(house)]), np.array([0, 2])).areas)
+    2
+    """
+    corners = np.repeat(np.isin(np.arange(len(shape.areas)), numbers), np.diff(shape.offsets))
+    few = TrunkStack(
+        np.array([0, len(numbers)], dtype=np.int64),
+        running(np.diff(shape.offsets)[numbers]),
+        shape.edges[corners],
+        shape.alphas[corners],
+        shape.betas[corners],
+        shape.areas[numbers],
+        np.zeros(2, dtype=np.int64),
+        np.empty((0, QCRS_LEAF), np.int32),
+    )
+    leaves = gather_leaves(few)
+    return replace(few, leaves=leaves, leaf_starts=np.array([0, len(leaves)], dtype=np.int64))
 
 
 def lay_out_forest(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from PIL import Image
 from plans import planned as planned_run
 from small_runs import CLEAN, digests, draw, pictures, run, run_here, stages
 
+import pipeline.stages.partners_beyond
 import pipeline.stages.shards
 from pipeline.config.build import make_config
 from pipeline.config.schema import Config
@@ -179,13 +181,42 @@ def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monke
     assert select.sources[0] == collected.reference
 
 
+@pytest.mark.parametrize("shard", [8, 640])
+def test_the_approximate_mode_finds_most_of_the_best_pairs_with_their_exact_scores(
+    shard: int, every: Pairs, root: Path, store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", shard)
+    kept = mine(configure(root, tmp_path, store, qcrs={"mode": "approximate", "k": 3}))
+    best = best_of(every.table, 3)
+    found = best.merge(kept.table[["i", "j"]], on=["i", "j"])
+    assert len(found) == len(best) if shard == 640 else len(found) >= 0.9 * len(best)
+    exact = kept.table[["i", "j"]].merge(every.table, on=["i", "j"])
+    pd.testing.assert_frame_equal(kept.table, exact, check_exact=True)
+    assert kept.search is not None and kept.search.approximate == 1
+    assert "nearly every pair" in kept.search.sentence(1) and "qcrs.mode=approximate" in kept.search.sentence(1)
+
+
+def test_how_good_partners_elsewhere_must_be_depends_on_the_share_of_the_own_shard(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", 4)
+    monkeypatch.setattr(pipeline.stages.partners_beyond, "SPARE", 1)
+    exact = planned(root, tmp_path, "partners_beyond", mode="topk", k=40)
+    assert {item.spec.rank for item in exact.work["partners_beyond"]} == {0}
+    plan = planned(root, tmp_path, "partners_beyond", mode="approximate", k=40)
+    sizes = {number: len(shard.members) for shard in plan.work["shards"] for number in shard.members}
+    for item in plan.work["partners_beyond"]:
+        assert item.spec.rank == math.ceil(40 * sizes[item.members[0]] / len(plan.items)) < 40
+
+
 TOPK = ("qcrs.mode=topk", "qcrs.k=3")
 
 
 @pytest.mark.system
-def test_two_workers_write_the_same_bytes(root: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("mode", ["topk", "approximate"])
+def test_two_workers_write_the_same_bytes(mode: str, root: Path, tmp_path: Path) -> None:
     for name, cluster in (("one", ("cluster=sync",)), ("two", ("cluster=local", "cluster.workers=2"))):
-        done = run(tmp_path / name, root, *TOPK, *cluster)
+        done = run(tmp_path / name, root, f"qcrs.mode={mode}", "qcrs.k=3", *cluster)
         assert done.returncode == CLEAN, done.stdout + done.stderr
     assert digests(tmp_path / "one") == digests(tmp_path / "two")
 
@@ -215,7 +246,7 @@ def test_a_collection_without_shapes_has_no_partners(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("qcrs", "words"),
-    [({"mode": "some"}, "qcrs.mode: 'some' is not allowed; choose one of all, topk"),
+    [({"mode": "some"}, "qcrs.mode: 'some' is not allowed; choose one of all, topk, approximate"),
      ({"k": 0}, "qcrs.k: must be 1 or more, got 0"), ({"k": 2.5}, "qcrs.k: expected a whole number, got 2.5")],
 )  # fmt: skip
 def test_wrong_values_are_named(qcrs: dict[str, object], words: str) -> None:
