@@ -20,6 +20,7 @@ from pipeline.plan.work_item import WorkItem
 from pipeline.report.assets import assets_digest
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.execute import Run, open_run
+from pipeline.runtime.profile import PROFILE, check_profile
 from pipeline.runtime.quarantine import bring_blocks, bring_shapes
 from pipeline.runtime.reuse import with_older_blocks
 from pipeline.stages.all import STAGES, begin_run
@@ -71,6 +72,8 @@ def run_pipeline(config: Config, listen: Listener) -> RunOutcome:
     collection = collect(config.dataset)
     check_writable(run_folder(config), "outputs")
     _check_extras(config)
+    if config.profile:
+        check_profile(config.cluster)
     if config.signing is not None:
         config.signing.sign("")  # raises where there is no key
     unwritable = _unwritable(config.store)
@@ -109,8 +112,12 @@ def _run(config: Config, collection: Collection, listen: Listener, unwritable: S
     started, clock = datetime.now(UTC), time.perf_counter()
     folder = run_folder(config)
     stages = [stage for stage in STAGES if stage.wanted(config)]
-    with open_run(Store(config.store, config.signing), config.cluster, stages, listen, unwritable) as run:
+    profile = folder / PROFILE if config.profile else None
+    with open_run(Store(config.store, config.signing), config.cluster, stages, listen, unwritable, profile) as run:
         progress = run_stages(begin_run(config, collection, run.store), run)
+    if profile is not None:
+        written = profile.is_file() and any(stage.worker_seconds for stage in run.stages)
+        listen(Note(f"profile: {profile}" if written else "nothing was computed, and so there is no profile"))
     results = Results(progress, run.store, dict(run.failed), len(run.blocked), tuple(run.stages))
     digest = outcome_digest(results, assets_digest())
     # Two files with the same bytes are a remark: nothing is lost.

@@ -83,6 +83,7 @@ def add_options(parser: Parser) -> None:
     add_assignments(parser, run_names)
     parser.add_argument("--plan", action="store_true", help="show what would run, and stop")
     parser.add_argument("--explain", action="store_true", help="show why each work item would run, and stop")
+    parser.add_argument("--profile", action="store_true", help="write profile.html, Dask's report of where time goes")
     parser.add_argument(
         "-m",
         "--multirun",

@@ -21,7 +21,7 @@ with needs_extra("mine"):
     from omegaconf.errors import OmegaConfBaseException
 
 HYDRA_BASE = "1.3"
-SUGAR = {"--plan": "plan=true", "--explain": "explain=true"}
+SUGAR = {"--plan": "plan=true", "--explain": "explain=true", "--profile": "profile=true"}
 WITH = {"select.with=": "select.shapes="}
 """A parameter that goes by another name in Python, of which ``with`` is a word."""
 SWEEP = frozenset({"-m", "--multirun"})

@@ -331,6 +331,7 @@ class Config(ParameterGroup):
     cluster: ClusterConfig = field(default_factory=ClusterConfig)
     plan: bool = parameter(False, meaning="Show what would run, and stop.")
     explain: bool = parameter(False, meaning="Show why each work item would run, and stop.")
+    profile: bool = parameter(False, meaning="Write profile.html, Dask's report of where the time goes.")
 
     @property
     def signing(self) -> Signing | None:

@@ -38,6 +38,8 @@ class ItemDone:
 class StageEnded:
     """A stage is over. Times are of this run, in seconds; ``stored_seconds`` is what all its artifacts once cost.
 
+    The longest chain of work items, one after the other, took ``critical_seconds``: no number of workers is faster.
+    Workers had ``worker_seconds`` in all, of which they worked ``busy_seconds``, and read and wrote so many MiB.
     ``blocked`` items were not tried because an input had failed. All items concern ``amount`` shapes or pairs, as
     ``counted`` says, and those that were in the store ``stored_amount`` of them.
     """
@@ -55,6 +57,16 @@ class StageEnded:
     counted: str = ""
     amount: int = 0
     stored_amount: int = 0
+    critical_seconds: float = 0.0
+    busy_seconds: float = 0.0
+    worker_seconds: float = 0.0
+    read_mb: float = 0.0
+    written_mb: float = 0.0
+
+    @property
+    def idle(self) -> float | None:
+        """The share of the workers' time in which they had nothing to do; None if they were not needed."""
+        return max(0.0, 1.0 - self.busy_seconds / self.worker_seconds) if self.worker_seconds else None
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import SignatureError, StartError, StorageError
@@ -14,7 +15,9 @@ from pipeline.plan.sub_block import Sides
 from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.clusters import Bundle, Executor, SyncExecutor, open_cluster
 from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
+from pipeline.runtime.profile import profiled
 from pipeline.runtime.retries import MACHINE_FAULTS, MACHINE_TRIES
+from pipeline.runtime.spending import spending, with_earlier
 from pipeline.runtime.stage_kernels import StageKernels
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
@@ -62,32 +65,36 @@ class Run:
         amount = sum(stage.amount(item) for item in ready.values())
         self.listen(StageStarted(stage.name, stage.unit, len(unique), len(cached), corrupt, stage.counted, amount))
         spent: list[Receipt] = []
-        waited = 0.0
+        waited = worked = 0.0
         if ready:
             if self.unwritable is not None:
                 raise self.unwritable
             executor, waited = self._executor(stage)
+            workers, begun = executor.workers, time.perf_counter()
             spent = self._work(executor, ready)
             while more := self._ready({ref: item for ref, item in missing.items() if ref not in ready}):
                 ready |= more
                 spent += self._work(executor, more)
+            worked = workers * (time.perf_counter() - begun)
         self.blocked |= missing.keys() - ready.keys()
         ended = StageEnded(
-            stage=stage.name,
+            stage.name,
             total=len(unique),
             cached=len(cached),
             computed=sum(reference in self.done for reference in ready),
             failed=sum(reference in self.failed for reference in ready),
             blocked=len(unique) - len(cached) - len(ready),
             seconds=time.perf_counter() - started - waited,
-            cpu_seconds=sum(receipt.cpu_seconds for receipt in spent),
+            worker_seconds=worked,
             stored_seconds=self._stored_seconds(unique.keys(), cached),
-            peak_mb=max((receipt.peak_mb for receipt in spent), default=0.0),
             counted=stage.counted,
             amount=sum(stage.amount(item) for item in unique.values()),
             stored_amount=sum(stage.amount(unique[reference]) for reference in cached),
+            **spending(spent, unique),
         )
-        self.stages = [*(earlier for earlier in self.stages if earlier.stage != stage.name), self._with_earlier(ended)]
+        before = [earlier for earlier in self.stages if earlier.stage == stage.name]
+        others = [earlier for earlier in self.stages if earlier.stage != stage.name]
+        self.stages = [*others, with_earlier(ended, before[0]) if before else ended]
         self.listen(ended)
 
     def _ready(self, missing: Mapping[Reference, WorkItem]) -> dict[Reference, WorkItem]:
@@ -129,22 +136,6 @@ class Run:
         self.done.clear()
         self.failed.clear()
         self.blocked.clear()
-
-    def _with_earlier(self, ended: StageEnded) -> StageEnded:
-        """A stage with what an earlier plan spent on it: what that computed was not in the store when the run began."""
-        for earlier in self.stages:
-            if earlier.stage == ended.stage:
-                computed = min(earlier.computed, ended.cached)
-                return replace(
-                    ended,
-                    cached=ended.cached - computed,
-                    computed=ended.computed + computed,
-                    failed=ended.failed + earlier.failed,
-                    seconds=ended.seconds + earlier.seconds,
-                    cpu_seconds=ended.cpu_seconds + earlier.cpu_seconds,
-                    peak_mb=max(ended.peak_mb, earlier.peak_mb),
-                )
-        return ended
 
     def _executor(self, stage: Stage) -> tuple[Executor, float]:
         """What runs the work items of a stage, whose kernels are then compiled, and the seconds it waited for them."""
@@ -238,8 +229,12 @@ def open_run(
     stages: Sequence[Stage],
     listen: Listener,
     unwritable: StartError | None = None,
+    profile: Path | None = None,
 ) -> Iterator[Run]:
-    """A run through ``stages``: the cluster is opened, and kernels are compiled, with the first work item of them."""
+    """A run through ``stages``: the cluster is opened, and kernels are compiled, with the first work item of them.
+
+    What the cluster does is reported in the file ``profile``, if one is given.
+    """
     with contextlib.ExitStack() as stack:
         opened: list[Executor] = []
         kernels = stack.enter_context(StageKernels(stages, listen))
@@ -247,6 +242,8 @@ def open_run(
         def executor() -> Executor:
             if not opened:
                 opened.append(stack.enter_context(open_cluster(cluster, store, listen)))
+                if profile is not None:
+                    stack.enter_context(profiled(profile))
             return opened[0]
 
         yield Run(store, listen, executor, unwritable, kernels)

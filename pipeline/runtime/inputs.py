@@ -75,6 +75,8 @@ class Inputs:
 
     def __init__(self, store: Store, items: Sequence[WorkItem], cache: InputCache) -> None:
         self._store, self._cache = store, cache
+        self.read_bytes = 0
+        """Bytes of the arrays that were read from the store so far."""
         self._uses: dict[Reference, list[int]] = defaultdict(list)
         for position, item in enumerate(items):
             for source in item.sources:
@@ -94,9 +96,10 @@ class Inputs:
         prepared = self._cache.get(source)
         if prepared is None:
             artifact = self._store.read(*source)
+            size = sum(array.nbytes for array in artifact.arrays.values())
+            self.read_bytes += size
             prepared = prepare(artifact)
             if is_kept:
-                size = sum(array.nbytes for array in artifact.arrays.values())
                 self._cache.keep(source, prepared, size, lambda other: self._next_use(other, position))
         elif not is_kept:
             self._cache.drop(source)

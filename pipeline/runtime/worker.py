@@ -12,6 +12,7 @@ from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.inputs import InputCache, Inputs
 from pipeline.runtime.retries import DEADLY
 from pipeline.stages.all import checked_stage, code_text
+from pipeline.store.artifact import encode
 from pipeline.store.store import State, Store
 
 
@@ -40,6 +41,8 @@ class Receipt:
     cpu_seconds: float = 0.0
     peak_mb: float = 0.0
     failure: Failure | None = None
+    read_bytes: int = 0
+    written_bytes: int = 0
 
 
 def run_items(store: Store, items: Sequence[WorkItem], cache: InputCache) -> Iterator[Receipt]:
@@ -54,6 +57,7 @@ def run_items(store: Store, items: Sequence[WorkItem], cache: InputCache) -> Ite
 
 def _run_item(store: Store, inputs: Inputs, position: int, item: WorkItem) -> Receipt:
     wall, cpu = time.perf_counter(), time.process_time()
+    read, written = inputs.read_bytes, 0
     failure = None
     try:
         if store.state(*item.reference) is State.PRESENT:
@@ -62,10 +66,13 @@ def _run_item(store: Store, inputs: Inputs, position: int, item: WorkItem) -> Re
         stage = checked_stage(item.stage, code_text(item.parts.code, item.parts.versions))
         artifact = stage.run(inputs.of(position, item, stage.prepare), item.parameters, item.spec)
         seconds, cpu_seconds = time.perf_counter() - wall, time.process_time() - cpu
-        store.put(item.parts, artifact, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": peak_mb()})
+        payload = encode(artifact)
+        store.commit(item.parts, payload, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": peak_mb()})
+        written = len(payload)
     except Exception as error:
         failure = Failure(type(error).__name__, str(error) or type(error).__name__)
-    return Receipt(item.stage, item.key, time.perf_counter() - wall, time.process_time() - cpu, peak_mb(), failure)
+    spent = time.perf_counter() - wall, time.process_time() - cpu
+    return Receipt(item.stage, item.key, *spent, peak_mb(), failure, inputs.read_bytes - read, written)
 
 
 def peak_mb() -> float:

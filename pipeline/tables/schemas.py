@@ -200,6 +200,17 @@ TIMINGS = _schema(
         Column("cpu_seconds", "float64", "processor time of all workers in this run", "s"),
         Column("stored_seconds", "float64", "time that the stage's artifacts took when they were computed", "s"),
         Column("peak_mb", "float64", "greatest resident memory of one worker up to then", "MiB"),
+        Column(
+            "critical_seconds",
+            "float64",
+            "time of the longest chain of work items that wait for one another: no number of workers is faster",
+            "s",
+        ),
+        Column(
+            "idle", "float64", "share of the workers' time in which they had nothing to do; null = none needed", "1"
+        ),
+        Column("read_mb", "float64", "arrays that workers read from the store", "MiB"),
+        Column("written_mb", "float64", "artifacts that workers wrote", "MiB"),
     ),
 )
 

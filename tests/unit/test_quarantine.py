@@ -37,9 +37,9 @@ class Poisoned:
         self.poison = poison
         self.seen: list[tuple[str, tuple[str, ...]]] = []
 
-    def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+    def run(self, store: Store, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
         for item in (item for bundle in bundles for item in bundle):
-            read = [Store(Path(root)).get(*source).document["errors"] for source in item.sources]
+            read = [store.get(*source).document["errors"] for source in item.sources]
             digests = tuple(row["of"] for row in read[0]) if read else item.parts.inputs
             self.seen.append((item.stage, digests))
             found = [self.poison[item.stage, one] for one in digests if (item.stage, one) in self.poison]
@@ -47,7 +47,7 @@ class Poisoned:
                 yield Receipt(item.stage, item.key, failure=found[0])
             else:
                 rows = [{"index": index, "of": one} for index, one in enumerate(digests)]
-                Store(Path(root)).put(item.parts, Artifact({}, {"errors": rows}))
+                store.put(item.parts, Artifact({}, {"errors": rows}))
                 yield Receipt(item.stage, item.key)
 
 
@@ -124,13 +124,13 @@ def test_nothing_is_searched_where_nothing_was_lost(tmp_path: Path) -> None:
 
 def test_a_batch_that_fails_only_together_is_joined_from_its_shapes(tmp_path: Path) -> None:
     class Together(Poisoned):
-        def run(self, root: str, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
+        def run(self, store: Store, bundles: Sequence[Bundle]) -> Iterator[Receipt]:
             for bundle in bundles:
                 for item in bundle:
                     if item.stage == "ingest" and len(item.members) > 1 and 0 in item.members:
                         yield Receipt(item.stage, item.key, failure=HANGS)
                     else:
-                        yield from super().run(root, [[item]])
+                        yield from super().run(store, [[item]])
 
     executor = Together({})
     run = Run(Store(tmp_path), lambda event: None, lambda: executor)

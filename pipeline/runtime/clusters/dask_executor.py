@@ -38,11 +38,18 @@ def run_on_worker(store: Store, bundle: Bundle, limit: float | None = None) -> l
 
 def check_dashboard() -> None:
     """Raise `StartError` where what draws Dask's dashboard is not installed."""
+    if missing := missing_bokeh():
+        raise StartError(f"cluster.dashboard=true: {missing}")
+
+
+def missing_bokeh() -> str:
+    """What to do where that is not installed with which Dask draws; empty where it is."""
     try:
         with needs_extra("dashboard"):
             importlib.import_module("bokeh")
     except MissingExtraError as error:
-        raise StartError(f"cluster.dashboard=true: {error}") from error
+        return str(error)
+    return ""
 
 
 @contextlib.contextmanager
