@@ -9,12 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ezdxf.addons.drawing.matplotlib import qsave
+from ezdxf.filemanagement import readfile
 from PIL import Image
 
 from riot.draw import write_film
 from riot.fabricate import Design, FabricationParameters, design
 from riot.fabricate.export.booklet import booklet, write_booklet
-from riot.fabricate.export.flat import write_flat_files
+from riot.fabricate.export.flat import write_flat, write_flat_files
 from riot.fabricate.export.flat_parts import flat_parts
 from riot.groundtruth.pairs import exact_pair, exact_transform
 
@@ -81,6 +83,31 @@ def test_every_viewer_shows_lines_and_numbers(folder: Path, tmp_path: Path, name
     for colour in (RED, BLACK):
         seen = [ink(tmp_path / f"{program}.png", colour) for program in ("rsvg", "inkscape")]
         assert min(seen) > 1e-5 and max(seen) < 1.5 * min(seen)
+
+
+@needs("chromium")
+@needs("rsvg-convert")
+@pytest.mark.parametrize("name", ["laser-layers", "laser-strips", "laser-coupon"])
+def test_a_browser_shows_the_same_sheet(folder: Path, tmp_path: Path, name: str) -> None:
+    source = folder / f"{name}.svg"
+    output("rsvg-convert", "-b", "white", "-o", tmp_path / "rsvg.png", source)
+    quiet = ["--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
+    size, profile = "--window-size=1000,1000", f"--user-data-dir={tmp_path / 'profile'}"
+    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", *quiet, profile, size]
+    output(*command, f"--screenshot={tmp_path / 'browser.png'}", f"file://{source}")
+    with Image.open(tmp_path / "rsvg.png") as first, Image.open(tmp_path / "browser.png") as second:
+        second.crop((0, 0, *first.size)).save(tmp_path / "cut.png")
+    for colour in (RED, BLACK):
+        seen = [ink(tmp_path / f"{program}.png", colour) for program in ("rsvg", "cut")]
+        assert min(seen) > 1e-5 and max(seen) < 1.5 * min(seen)
+
+
+def test_dxf_is_drawn_in_the_colours_of_its_layers(puzzle: Design, tmp_path: Path) -> None:
+    write_flat(puzzle, tmp_path / "sheet.dxf", "layers")
+    drawing = readfile(tmp_path / "sheet.dxf")
+    assert not drawing.audit().errors
+    qsave(drawing.modelspace(), str(tmp_path / "dxf.png"), bg="#FFFFFF", dpi=100)
+    assert ink(tmp_path / "dxf.png", RED) > 1e-4 and ink(tmp_path / "dxf.png", BLACK) > 1e-5
 
 
 @needs("pdfinfo")
