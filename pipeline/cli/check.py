@@ -9,7 +9,8 @@ from pipeline.datasets.collection import DUPLICATE, DatasetConfig, collect
 from pipeline.datasets.reading import open_item
 from pipeline.report.check import Refused, Tile, sheet, tile
 from pipeline.store.store import write_atomically
-from riot.cli.inputs import add_force, quality_facts
+from riot.cli.common_options import add_force
+from riot.cli.inputs import quality_facts
 from riot.cli.output import Output
 from riot.cli.parser import DONE, EXIT_CODES, Parser
 from riot.errors import SilhouetteError

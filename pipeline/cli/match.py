@@ -10,7 +10,7 @@ from typing import Any
 
 from pipeline.match.search import MatchResult, MinedRun, Query, match, open_mined, read_query
 from pipeline.store.location import parse_location
-from riot.cli.inputs import PICTURE
+from riot.cli.common_options import PICTURE
 from riot.cli.output import Output
 from riot.cli.parser import EXIT_CODES, REFUSED, Parser
 from riot.cli.table import Table

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from riot.cli.inputs import add_force
+from riot.cli.common_options import add_force
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.profiles import own_profiles

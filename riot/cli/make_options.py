@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from riot.cli.inputs import add_bend, add_force, add_inputs, add_mirror, add_pieces
+from riot.cli.common_options import add_bend, add_force, add_inputs, add_mirror, add_pieces
 from riot.cli.parser import EXIT_CODES, Parser, UsageError
 from riot.construction.plan_search import PieceCounts
 from riot.draw.texture.names import SIDES, Side

@@ -7,7 +7,7 @@ import json
 import math
 from pathlib import Path
 
-from riot.cli.inputs import add_force
+from riot.cli.common_options import add_force
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.size_options import add_sizes, chosen_sizes
@@ -68,7 +68,8 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     if "q" in pictures and not transform.mirrored_q:
         name = transform.q.name or "Q"
         output.note(f"the back shows {name} mirrored: `riot make --mirror-q` cuts it to be read there")
-    textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern)
+    painted = bool(pictures or chosen.pattern)
+    textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern) if painted else {}
     paper = chosen.paper or chosen.dxf or (bool(textures) and not parameters.inlay)
 
     def write_paper(folder: Path) -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from riot.cli.common_options import add_inputs, add_pieces
 from riot.cli.complaints import doubtful_outline
-from riot.cli.inputs import add_inputs, add_pieces, read_inputs
+from riot.cli.inputs import read_inputs
 from riot.cli.output import Output
 from riot.cli.parser import Parser
 from riot.cli.table import Table

@@ -23,9 +23,9 @@ from riot.fabricate.export.drawing import (
     OVERCUT_MM,
     drawing_of,
     outline_drawing,
-    painted_drawing,
 )
 from riot.fabricate.export.inlay import Body, InlayTexture, bodies_of
+from riot.fabricate.export.painting import painted_drawing
 from riot.fabricate.export.plate_file import CONFIG
 from riot.fabricate.export.poses import frames_of
 from riot.fabricate.solid import Part, make_parts
@@ -42,8 +42,8 @@ class Halves:
 
     def colours(self, piece: int, xy: FloatArray, step: float) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
         del piece, step
-        white, red = np.array([[250, 250, 250], [200, 20, 20]], dtype=np.uint8)
-        return np.where(xy[:, :1] > 0.0, white, red)
+        colours = np.array([[200, 20, 20], [250, 250, 250]], dtype=np.uint8)
+        return colours[(xy[:, 0] > 0.0).astype(np.int64)]
 
 
 def puzzle_of(number: int) -> Design:

@@ -20,6 +20,7 @@ from riot.draw.texture.paint import PlainTexture, find_textures
 from riot.draw.texture.source import ByteArray
 from riot.fabricate import Design, FabricationParameters, design
 from riot.fabricate.export.booklet import booklet, write_booklet
+from riot.fabricate.export.faces import face, face_pixels
 from riot.fabricate.export.flat import FlatFormatError
 from riot.fabricate.export.flat_parts import KINDS
 from riot.fabricate.export.laser_sheet import LASER_COLOURS
@@ -27,7 +28,7 @@ from riot.fabricate.export.page import page_scenes
 from riot.fabricate.export.paper import Frame
 from riot.fabricate.export.paperwork import write_paperwork
 from riot.fabricate.export.picture import EYE, PICTURE_DOTS_PER_INCH, draw_puzzle
-from riot.fabricate.export.sheets import face, face_pixels, sheet_scenes, write_sheets
+from riot.fabricate.export.sheets import sheet_scenes, write_sheets
 from riot.groundtruth.pairs import exact_pair, exact_transform
 from riot.types import FloatArray
 

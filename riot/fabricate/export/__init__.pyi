@@ -1,6 +1,7 @@
 from . import booklet as booklet
 from . import drawing as drawing
 from . import engraving as engraving
+from . import faces as faces
 from . import flat as flat
 from . import flat_parts as flat_parts
 from . import folder as folder
@@ -12,6 +13,7 @@ from . import laser_page as laser_page
 from . import laser_sheet as laser_sheet
 from . import nesting as nesting
 from . import page as page
+from . import painting as painting
 from . import paper as paper
 from . import paperwork as paperwork
 from . import picture as picture

@@ -17,9 +17,9 @@ from riot.draw.files import PictureFormatError
 from riot.draw.palette import LIGHT, PIECES, hue
 from riot.draw.raster import font_files
 from riot.draw.solid import Body, Eye, View, png_of_view, prisms, render, ribbon
+from riot.fabricate.export.faces import face, face_colours
 from riot.fabricate.export.inlay import InlayTexture
 from riot.fabricate.export.paper import MM_PER_INCH, Frame, rings
-from riot.fabricate.export.sheets import face, face_colours
 from riot.fabricate.rings import Ring
 
 if TYPE_CHECKING:

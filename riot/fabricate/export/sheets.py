@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,17 +18,15 @@ import shapely
 
 from riot.draw.pdf import pdf_bytes
 from riot.draw.scene import Bitmap, Line, Mark, Scene
-from riot.draw.texture.sample import sample_region
+from riot.fabricate.export.faces import face, face_pixels
 from riot.fabricate.export.flat import FlatFormatError
 from riot.fabricate.export.paper import MM_PER_INCH, Frame, region_mark, rings, sheet, text
-from riot.fabricate.model import polygons
 from riot.fabricate.shelves import Spot, shelves
 from riot.transform.pose import rotate
 
 if TYPE_CHECKING:
     from riot.draw.texture.names import Side
     from riot.draw.texture.paint import Texture
-    from riot.draw.texture.source import ByteArray
     from riot.fabricate.model import Design
     from riot.types import FloatArray
 
@@ -113,17 +111,6 @@ def _centred(spots: Sequence[Spot], sizes: FloatArray, width: float) -> list[Spo
     return [replace(spot, x=spot.x + 0.5 * (width - end)) for spot, end in zip(spots, used, strict=True)]
 
 
-def face(design: Design, index: int, side: Side) -> shapely.Polygon:
-    """The upper face of a piece (side "p") or the lower one ("q") within its outline, in its own frame, mm.
-
-    What it gives up for its neighbours' knuckles is left out, and so is what of its own knuckles stands off.
-    """
-    piece = design.pieces[index]
-    slab = piece.slabs[-1 if side == "p" else 0]
-    within = polygons(shapely.intersection(slab.section, shapely.Polygon(piece.outline)))
-    return max(within, key=lambda polygon: float(polygon.area))
-
-
 def _piece(
     design: Design,
     texture: Texture,
@@ -139,28 +126,6 @@ def _piece(
     x0, y0, x1, _ = cut.bounds
     number = text(0.5 * (x0 + x1), y0 - 4.6, str(index + 1), 3.0, "note", "middle")
     return [Bitmap(pixels, box, rings(with_bleed)), region_mark(cut, "cut"), number]
-
-
-def face_pixels(
-    design: Design, texture: Texture, side: Side, index: int, frame: Frame, region: shapely.Polygon, step: float
-) -> tuple[ByteArray, tuple[float, float, float, float]]:
-    """A piece's texture in a region of the paper: (rows, columns, 3) uint8, first row at the top, and its box in mm.
-
-    ``step`` is the size of a pixel in mm (`riot.draw.texture.sample.sample_region`).
-    """
-    return sample_region(region, step, face_colours(design, texture, side, index, frame, step))
-
-
-def face_colours(
-    design: Design, texture: Texture, side: Side, index: int, frame: Frame, step: float
-) -> Callable[[FloatArray], ByteArray]:
-    """A function from (k, 2) points of the paper, mm, to the (k, 3) colours a piece's texture has there."""
-    pose = design.transform.pose(0.0 if side == "p" else 1.0)
-
-    def colours(points: FloatArray) -> ByteArray:
-        return texture.colours(index, pose.place(index, frame.piece(points) / design.scale), step / design.scale)
-
-    return colours
 
 
 def _captions(width: float, design: Design, side: Side, number: int, count: int) -> list[Mark]:
