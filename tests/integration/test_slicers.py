@@ -33,11 +33,20 @@ needs_slicer = pytest.mark.skipif(shutil.which("prusa-slicer") is None, reason="
 needs_admesh = pytest.mark.skipif(shutil.which("admesh") is None, reason="admesh is not installed")
 
 
-@pytest.fixture(scope="module", params=sorted(PIVOTS))
+@pytest.fixture(scope="module", params=sorted(set(PIVOTS) - {"in-place"}))
 def puzzle(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Design, Path]:
     puzzle_design = design(exact_transform(dudeney()), FabricationParameters(**PIVOTS[request.param]))
     parts = make_parts(puzzle_design)
     folder = tmp_path_factory.mktemp("sliced") / request.param
+    write_puzzle(puzzle_design, parts, certify(puzzle_design, parts), folder)
+    return puzzle_design, folder
+
+
+@pytest.fixture(scope="module")
+def chain(tmp_path_factory: pytest.TempPathFactory) -> tuple[Design, Path]:
+    puzzle_design = design(exact_transform(dudeney()), FabricationParameters(**PIVOTS["in-place"]))
+    parts = make_parts(puzzle_design)
+    folder = tmp_path_factory.mktemp("sliced") / "in-place"
     write_puzzle(puzzle_design, parts, certify(puzzle_design, parts), folder)
     return puzzle_design, folder
 
@@ -145,6 +154,42 @@ def test_inlays_are_sliced_where_they_are_and_nowhere_else(pattern: Pattern | No
     low, high = {0.2, 0.4, 0.6}, {round(height - 0.4, 3), round(height - 0.2, 3), height}
     inlaid = set[float]().union(*(layers for name, layers in used.items() if name != "T0"))
     assert inlaid == low | high
+
+
+@needs_slicer
+@pytest.mark.parametrize("threshold", ["0", "55"])
+def test_a_chain_in_place_is_sliced_without_supports_or_overhangs(
+    chain: tuple[Design, Path], threshold: str, tmp_path: Path
+) -> None:
+    options = ["--support-material", "--support-material-auto", "--support-material-threshold", threshold]
+    for name in ("chain.stl", "plate-1.3mf"):
+        code = sliced(chain[1] / name, tmp_path, *options, "--bed-shape", "0x0,220x0,220x220,0x220")
+        assert "TYPE:Support" not in code and "TYPE:Overhang" not in code, name
+        assert "TYPE:External perimeter" in code
+
+
+@needs_slicer
+def test_pins_and_sockets_in_place_are_laid_with_their_gap(chain: tuple[Design, Path], tmp_path: Path) -> None:
+    puzzle_design, folder = chain
+    sizes, layer = puzzle_design.parameters, 0.2
+    pivot = puzzle_design.pivot
+    assert pivot is not None
+    code = sliced(folder / "plate-1.3mf", tmp_path)
+    hinges = sum(piece.start.kind == "pin" for piece in puzzle_design.pieces)
+    for height in (layer, pivot.lower[len(pivot.lower) // 2].high, sizes.levels[0]):
+        (pin,) = [ring.radius for ring in pivot.upper if ring.low < height - 0.5 * layer < ring.high]
+        (hole,) = [ring.hole for ring in pivot.lower if ring.low < height - 0.5 * layer < ring.high]
+        # The pins' outer lines lie within their edges, the sockets' outside of theirs; the sockets' chords are longer.
+        wanted = [2.0 * pin - LINE_MM] * hinges + [2.0 * hole + LINE_MM] * hinges
+        assert widths(code, height) == pytest.approx(wanted, abs=1.5 * CHORDS_MM), height
+
+
+@needs_admesh
+def test_admesh_finds_one_part_a_piece_in_a_chain(chain: tuple[Design, Path]) -> None:
+    words = subprocess.run(["admesh", str(chain[1] / "chain.stl")], check=True, capture_output=True, text=True).stdout
+    assert re.search(rf"Number of parts\s+:\s+{len(chain[0].pieces)}\b", words)
+    assert re.search(r"Total disconnected facets\s+:\s+0\s+0\b", words)
+    assert re.search(r"Degenerate facets\s+:\s+0\b", words)
 
 
 @needs_admesh
