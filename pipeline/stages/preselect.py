@@ -8,9 +8,10 @@ the selection does not depend on the tree.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain, product
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -104,7 +105,8 @@ def items(progress: Progress) -> list[WorkItem]:
     level = _first_level(progress)
     work = [*level.values()]
     for spans in progress.spans[2:]:
-        level = {sides: _joined(progress, sides, level) for sides in _sides(spans)}
+        smaller = _grouped(level, spans)
+        level = {sides: _joined(progress, sides, smaller[sides]) for sides in _sides(spans)}
         work += level.values()
     return work
 
@@ -130,11 +132,14 @@ def _first_level(progress: Progress) -> dict[Sides, WorkItem]:
     select = progress.config.select
     shapes = Shapes.of(progress.classes, wished_shapes(select, progress.items))
     groups = [range(number, number + 1) for number in range(len(progress.groups))]
-    scored, rare = _blocks(progress, "qcrs", groups), _blocks(progress, "qcrs_rare", progress.spans[0])
+    spans = progress.spans[1]
+    scored = _grouped(_blocks(progress, "qcrs", groups), spans)
+    rare = _grouped(_blocks(progress, "qcrs_rare", progress.spans[0]), spans)
     ingest = progress.finished("ingest") if progress.config.shape.doubtful == "drop" else []
     things = progress.finished("near_duplicates") if select.min_surprise > 0 else []
     return {
-        sides: _between(progress, sides, (scored, rare), shapes, ingest, things) for sides in _sides(progress.spans[1])
+        sides: _between(progress, sides, (scored[sides], rare[sides]), shapes, ingest, things)
+        for sides in _sides(spans)
     }
 
 
@@ -148,24 +153,23 @@ def _between(
 ) -> WorkItem:
     """A part of the first level."""
     here = _positions(progress, sides)
-    (scored, starts), (rare, of_rare) = (_inside(progress, sides, level, of_part=False) for level in blocks)
-    numbered = dict(zip(here, (0, len(here[0])), strict=True)) if here[0] != here[1] else {here[0]: 0}
-    batches = {
-        item.members[0] - side.start + number: item
-        for side, number in numbered.items()
-        for item in ingest
-        if item.members[0] in side
-    }
+    starts, of_rare = (_starts(progress, here, inside, of_part=False) for inside in blocks)
+    batches: dict[int, WorkItem] = {}
+    for number, side in ((0, here[0]), (len(here[0]), here[1]))[: len({*here})]:
+        low, high = (bisect_left(ingest, end, key=lambda item: item.members[0]) for end in (side.start, side.stop))
+        batches |= {item.members[0] - side.start + number: item for item in ingest[low:high]}
     positions = tuple(dict.fromkeys(here)) if things else ()
     between = Between(shapes.at(*here), tuple(batches), positions)
     what = between.shapes.digest(), between.read, positions
-    return _part(progress, here, (starts, of_rare), [*scored, *rare, *batches.values(), *things], between, what)
+    sources = [*chain(*(inside.values() for inside in blocks)), *batches.values(), *things]
+    return _part(progress, here, (starts, of_rare), sources, between, what)
 
 
-def _joined(progress: Progress, sides: Sides, level: Mapping[Sides, WorkItem]) -> WorkItem:
+def _joined(progress: Progress, sides: Sides, parts: Mapping[Sides, WorkItem]) -> WorkItem:
     """A part of a higher level."""
-    parts, starts = _inside(progress, sides, level, of_part=True)
-    return _part(progress, _positions(progress, sides), (starts, ()), parts, None, ())
+    here = _positions(progress, sides)
+    starts = _starts(progress, here, parts, of_part=True)
+    return _part(progress, here, (starts, ()), [*parts.values()], None, ())
 
 
 def _part(
@@ -192,17 +196,17 @@ def _positions(progress: Progress, sides: Sides) -> Sides:
     return progress.of_span(sides[0]), progress.of_span(sides[1])
 
 
-def _inside(
-    progress: Progress, sides: Sides, level: Mapping[Sides, WorkItem], *, of_part: bool
-) -> tuple[list[WorkItem], Starts]:
-    """The blocks, or parts, of which both spans are in those of a part, and their `Starts` in its numbers."""
-    spans = dict.fromkeys(chain(*level))
-    first, second = ([span for span in spans if span.start in side] for side in sides)
-    pairs = [pair for pair in product(first, second) if pair in level]
-    here = _positions(progress, sides)
-    return [level[pair] for pair in pairs], [
-        _start(here, _positions(progress, pair), of_part=of_part) for pair in pairs
-    ]
+def _grouped(level: Mapping[Sides, WorkItem], spans: Sequence[range]) -> dict[Sides, dict[Sides, WorkItem]]:
+    """The blocks, or parts, of which both spans are in those of a larger part, by the larger part's."""
+    around = {group: span for span in spans for group in span}
+    grouped: dict[Sides, dict[Sides, WorkItem]] = {sides: {} for sides in _sides(spans)}
+    for (first, second), item in level.items():
+        grouped[around[first.start], around[second.start]][first, second] = item
+    return grouped
+
+
+def _starts(progress: Progress, here: Sides, inside: Iterable[Sides], *, of_part: bool) -> Starts:
+    return [_start(here, _positions(progress, inner), of_part=of_part) for inner in inside]
 
 
 def _start(here: Sides, inner: Sides, *, of_part: bool) -> tuple[int, int]:
