@@ -21,6 +21,7 @@ from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, buil
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
 from riot.fabricate.plates import check_bed
+from riot.fabricate.tray import check_tray, check_tray_bed, tray_parts
 from riot.kernels.warm import compile_used
 from riot.parameters import FabricationParameters
 from riot.transform.riot_file import load
@@ -35,6 +36,7 @@ def add_options(parser: Parser) -> None:
     )
     add_force(parser)
     add_sizes(parser)
+    parser.add_argument("--tray", action="store_true", help="two trays to keep the puzzle in, one for either shape")
     parser.add_argument("--fix", action="store_true", help="change pin, size or wall if it cannot be made as is")
     parser.add_argument(
         "--paper",
@@ -65,6 +67,8 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     transform = load(chosen.file)
     check_folder(chosen.output, replace_files=chosen.replace_files)
     check_bed(transform, parameters)
+    if chosen.tray:
+        check_tray_bed(transform, parameters)
     if "q" in pictures and not transform.mirrored_q:
         name = transform.q.name or "Q"
         output.note(f"the back shows {name} mirrored: `riot make --mirror-q` cuts it to be read there")
@@ -82,6 +86,11 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         output.show(*(f"warning: {words}" for words in export.flat.laser_notes(puzzle.design)))
     output.note("writes the files")
     drawing = export.drawing.drawing_of(puzzle.design, textures)
+    trays = tray_parts(puzzle.design) if chosen.tray else ()
+    checks = [check_tray(puzzle.design, tray) for tray in trays]
+    if failures := [words for check in checks for words in check.failures]:
+        raise FabricationError("uncertified", "; ".join(failures))
+    output.show(*(check.words for check in checks))
     files = write_puzzle(
         puzzle.design,
         puzzle.parts,
@@ -89,6 +98,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         chosen.output,
         [write_paper] if paper else (),
         drawing=drawing,
+        trays=trays,
         replace_files=chosen.replace_files,
     )
     document = json.loads((chosen.output / "parts.json").read_bytes())

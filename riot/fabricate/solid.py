@@ -28,7 +28,7 @@ class Part:
     ----------
     name : str
         As in file names: ``piece-1``, ``pin``, ``cap``, ``sleeve``.
-    kind : "piece", "pin", "cap", "sleeve" or "chain"
+    kind : "piece", "pin", "cap", "sleeve", "chain" or "tray"
     count : int
     slabs : tuple of Slab
         Its layers, from the design.
@@ -39,7 +39,7 @@ class Part:
     """
 
     name: str
-    kind: Literal["piece", "pin", "cap", "sleeve", "chain"]
+    kind: Literal["piece", "pin", "cap", "sleeve", "chain", "tray"]
     count: int
     slabs: tuple[Slab, ...]
     solid: manifold3d.Manifold

@@ -145,6 +145,20 @@ IN_PLACE_APART_MM = 2.0
 PLACED_SEARCH_MM = 0.1
 """mm: the distance of two pieces on the bed is searched up to so much more than the clearance."""
 
+# Trays
+
+TRAY_GAP_MM = 0.6
+"""mm: room around the puzzle in its tray; it is put in by hand, and its hinges have play."""
+
+TRAY_WALL_MM = 4.0
+"""mm: least wall of a tray."""
+
+TRAY_FLOOR_MM = 1.6
+"""mm: floor of a tray, in whole layers; eight layers of 0.2 mm."""
+
+TRAY_DEPTH_SHARE = 0.6
+"""Depth of a recess over the thickness of the puzzle, in whole layers: the rest is there to hold."""
+
 # Telescopic hinge
 
 LEDGE_RIM_MM = 0.4

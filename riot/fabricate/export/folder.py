@@ -15,6 +15,7 @@ from riot.errors import RiotError
 PUZZLE_FILES = (
     "piece-*.stl",
     "chain*.stl",
+    "tray-*.stl",
     "pin*.stl",
     "cap*.stl",
     "sleeve*.stl",

@@ -32,6 +32,7 @@ def write_puzzle(
     folder: Path,
     more: Sequence[Callable[[Path], None]] = (),
     *,
+    trays: tuple[Part, ...] = (),
     drawing: Drawing | None = None,
     replace_files: bool = False,
 ) -> list[Path]:
@@ -40,7 +41,8 @@ def write_puzzle(
     If the parameters ask for inlays, every piece is several bodies on its plate, and ``NAME-base.stl``,
     ``NAME-front-2.stl`` and so on besides, the number that of the filament: by default with lines
     along the outlines, or with another ``drawing``. Each of ``more`` writes further files into the folder it is given.
-    What is printed in place is one part, ``chain.stl``. Returns what was written.
+    What is printed in place is one part, ``chain.stl``. ``trays`` (`riot.fabricate.tray`) come besides.
+    Returns what was written.
 
     Raises `riot.errors.FabricationError` if the certificate fails or a part does not fit the bed, OSError if
     the folder cannot be written, is a file, or holds something already that ``replace_files`` does not allow to replace
@@ -48,7 +50,7 @@ def write_puzzle(
     """
     if not certificate.passed:
         raise FabricationError("uncertified", "; ".join(certificate.failures))
-    printed = parts if design.placement is None else (chain_part(design, parts),)
+    printed = (*(parts if design.placement is None else (chain_part(design, parts),)), *trays)
     plates = lay_out(printed, design.parameters)
     title = f"{design.transform.p.name} – {design.transform.q.name}"
     colours = {piece.name: PIECES[hue(piece.index, len(design.pieces))] for piece in design.pieces}
@@ -63,7 +65,8 @@ def write_puzzle(
                 (temporary / f"{part.name}-{body.name}.stl").write_bytes(stl_bytes(body))
         for k, plate in enumerate(plates):
             (temporary / f"plate-{k + 1}.3mf").write_bytes(plate_bytes(plate, printed, title, colours, bodies))
-        document = json.dumps(parts_document(design, parts, certificate, plates, bodies), indent=1, ensure_ascii=False)
+        record = parts_document(design, (*parts, *trays), certificate, plates, bodies)
+        document = json.dumps(record, indent=1, ensure_ascii=False)
         (temporary / "parts.json").write_text(f"{document}\n", encoding="utf-8", newline="\n")
         for write in more:
             write(temporary)
@@ -93,8 +96,12 @@ def parts_document(
                 "name": part.name,
                 "kind": part.kind,
                 "count": part.count,
-                "printed": "in place" if design.placement else "upside down" if part.upside_down else "as it lies",
-                "file": f"{'chain' if design.placement else part.name}.stl",
+                "printed": "in place"
+                if _in_chain(design, part)
+                else "upside down"
+                if part.upside_down
+                else "as it lies",
+                "file": f"{'chain' if _in_chain(design, part) else part.name}.stl",
                 "size_mm": [round(length, DIGITS) for length in part.size],
                 "volume_mm3": round(part.volume, DIGITS),
                 "bodies": [
@@ -134,6 +141,11 @@ def parts_document(
         },
         "warnings": list(design.warnings),
     }
+
+
+def _in_chain(design: Design, part: Part) -> bool:
+    """Whether a part is printed in place, as one of a chain."""
+    return design.placement is not None and part.kind == "piece"
 
 
 def _finites(values: dict[str, Any]) -> dict[str, Any]:
