@@ -8,7 +8,7 @@ import {Swing} from './swing.js';
 /** @typedef {import('./types.js').Side} Side */
 
 const TOGGLES = /** @type {const} */ ([
-  ['input', 'input'], ['bent', 'bend'], ['trunk', 'trunk'], ['cuts', 'dissection lines'], ['texture', 'textures'],
+  ['input', 'input'], ['bent', 'bend'], ['trunk', 'trunk'], ['cuts', 'dissection lines'],
 ]);
 
 /** @type {Record<Side | 'chain', Figure>} */
@@ -52,14 +52,13 @@ function show() {
   for (const [name] of TOGGLES) {
     const label = find(`.toggles [name=${name}]`).closest('label');
     if (name === 'bent' && label) label.hidden = !scene.p.bent && !scene.q.bent;
-    if (name === 'texture' && label) label.hidden = !scene.p.texture && !scene.q.texture;
   }
 }
 
 function toggles() {
   const stage = find('.stage'), box = find('.toggles');
   for (const [name, words] of TOGGLES) {
-    const field = html('input', {type: 'checkbox', name, checked: name === 'input' || name === 'bent' || name === 'texture'});
+    const field = html('input', {type: 'checkbox', name, checked: name === 'input' || name === 'bent'});
     const apply = () => stage.classList.toggle(`hide-${name}`, !field.checked);
     field.addEventListener('change', apply);
     apply();

@@ -24,7 +24,6 @@
  * @property {number[][]} levels
  *
  * @typedef {{iou: number, strain: number, lost: Flat, words: string}} Fidelity `lost`: middles of limbs, on the bent input
- * @typedef {{url: string, matrix: number[]}} Texture
  *
  * @typedef {object} ShapeScene
  * @property {string} name
@@ -33,7 +32,6 @@
  * @property {Flat} trunk
  * @property {Flat} feet
  * @property {Fidelity} fidelity
- * @property {Texture | null} [texture]
  *
  * @typedef {object} Scene
  * @property {string} id
