@@ -28,7 +28,7 @@ FIGURES: Mapping[str, tuple[str, str, Callable[[Row], float]]] = {
 def figures(rows: Sequence[Row]) -> dict[str, dict[int, float]]:
     """Each figure by the number of shapes."""
     return {
-        name: {row["shapes"]: value(row) for row in rows if row["step"] == step}
+        name: dict(sorted((row["shapes"], value(row)) for row in rows if row["step"] == step))
         for name, (step, _, value) in FIGURES.items()
     }
 
@@ -47,7 +47,7 @@ def table(rows: Sequence[Row]) -> str:
 
 
 def draw(rows: Sequence[Row], path: Path) -> None:
-    """The figures against the number of shapes, both logarithmic, a panel for each unit."""
+    """The figures against the number of shapes, a panel for each unit; seconds are logarithmic, as the shapes are."""
     matplotlib.rcParams["svg.hashsalt"] = "bookkeeping"
     panels = list(dict.fromkeys(panel for _, panel, _ in FIGURES.values()))
     figure = Figure(figsize=(10.5, 3.6), layout="constrained")
@@ -57,7 +57,12 @@ def draw(rows: Sequence[Row], path: Path) -> None:
             "osD^v", ((n, v) for n, v in figures(rows).items() if FIGURES[n][1] == unit), strict=False
         ):
             if values:
-                axes.loglog([*values], [*values.values()], f"{mark}-", label=name.partition(",")[0])
+                axes.plot([*values], [*values.values()], f"{mark}-", label=name.partition(",")[0])
+        axes.set_xscale("log")
+        if unit.startswith("seconds"):
+            axes.set_yscale("log")
+        else:
+            axes.set_ylim(bottom=0)
         axes.set_xticks(sizes, [f"{size:,}" for size in sizes], rotation=30)
         axes.minorticks_off()
         axes.set_xlabel("shapes, N")
