@@ -7,10 +7,14 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import psutil
+import pytest
+
+from pipeline.plan.sources import ROOT
 
 SBATCH = """#!/bin/sh
 # sbatch SCRIPT: the number of the job is that of its process group.
@@ -100,3 +104,12 @@ class Slurm:
     def _numbers(self, name: str) -> list[int]:
         file = self.folder / name
         return [int(line) for line in file.read_text().split()] if file.exists() else []
+
+
+@pytest.fixture
+def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Slurm]:
+    made = Slurm(tmp_path / "slurm")
+    monkeypatch.setenv("PATH", f"{made.install()}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    yield made
+    made.kill(*made.submitted)

@@ -3,39 +3,29 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import signal
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from distributed import Client
 from small_runs import BAD_START, CLEAN, INTERRUPTED, command, digests, run_here
-from stand_in_slurm import Slurm
+from stand_in_slurm import Slurm, slurm
 
 from pipeline.config.command_line import check_command, complete
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.flow import run_pipeline
-from pipeline.plan.sources import ROOT
 from pipeline.runtime.admission import Admission
 from pipeline.runtime.clusters import open_cluster
 from pipeline.runtime.clusters.slurm_jobs import Jobs, slurm_cluster
 from pipeline.runtime.events import ItemDone, Note
 
+__all__ = ["slurm"]
+
 LIMIT = "sbatch: error: QOSMaxSubmitJobPerUserLimit"
 HERE = ("cluster=slurm", "cluster.interface=lo")
-
-
-@pytest.fixture
-def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Slurm]:
-    made = Slurm(tmp_path / "slurm")
-    monkeypatch.setenv("PATH", f"{made.install()}{os.pathsep}{os.environ['PATH']}")
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    yield made
-    made.kill(*made.submitted)
 
 
 def test_slurm_jobs_are_what_the_configuration_says(tmp_path: Path) -> None:

@@ -25,11 +25,14 @@ def check(*arguments: str) -> Config:
     return check_command(complete(arguments))
 
 
-@pytest.mark.parametrize("kind", ["local", "sync", "external", "slurm"])
+NEEDED = {"external": "cluster.address=tcp://host:1", "ssh": "cluster.hosts=a,b", "kubernetes": "cluster.image=riot"}
+
+
+@pytest.mark.parametrize("kind", ["local", "sync", "external", "slurm", "ssh", "kubernetes"])
 def test_every_cluster_has_a_file(kind: str) -> None:
-    arguments = [f"cluster={kind}", "cluster.address=tcp://host:1"] if kind == "external" else [f"cluster={kind}"]
+    arguments = [f"cluster={kind}", *filter(None, [NEEDED.get(kind)])]
     assert check(*arguments).cluster.kind == kind
-    assert set(group_choices()["cluster"]) == {"local", "sync", "external", "slurm"}
+    assert set(group_choices()["cluster"]) == {"local", "sync", "external", "slurm", "ssh", "kubernetes"}
 
 
 @pytest.mark.parametrize("policy", ["paper", "global"])
@@ -69,7 +72,7 @@ def test_data_sets_and_flags() -> None:
         ("select.policy=best", ["select.policy", "varied, global, paper"]),
         ("select=best", ["select=best", "global, paper, varied"]),
         ("select.top=0", ["select.top: must be 1 or more, got 0"]),
-        ("cluster=big", ["cluster=big", "external, local, slurm, sync"]),
+        ("cluster=big", ["cluster=big", "external, kubernetes, local, slurm, ssh, sync"]),
         ("cluster=external", ["cluster.address", "tcp://"]),
         ("cluster.workers=0", ["cluster.workers", "1 or more"]),
         ("+dataset=mpeg", ["dataset=mpeg", "mpeg7", "sample"]),

@@ -102,19 +102,20 @@ class DaskExecutor:
     """See `pipeline.runtime.clusters.executor.Executor`: few futures at a time, with keys and receipts, no geometry.
 
     ``replace_workers`` is called now and then: it may start workers where some are missing. With ``admission`` only
-    workers that it admits get tasks.
+    workers that it admits get tasks. ``most`` is how many threads there may come to be, if workers come by need.
     """
 
     client: Any
     task: Callable[[Store, Bundle], list[Receipt]] = run_on_worker
     replace_workers: Callable[[], None] = lambda: None
     admission: Admission | None = None
+    most: int = 1
 
     @property
     def workers(self) -> int:
-        """Threads of all workers that may get tasks."""
+        """Threads of all workers that may get tasks, now or later."""
         with scheduler_needed(self.client):
-            return max(1, sum(self._threads().values()))
+            return max(self.most, sum(self._threads().values()))
 
     def _threads(self) -> dict[str, int]:
         if self.admission is not None:

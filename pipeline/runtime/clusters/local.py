@@ -33,7 +33,7 @@ def open_local(config: ClusterConfig, listen: Listener) -> Iterator[Executor]:
     # The terminal sends Ctrl-C to all processes, and only this one should answer.
     with interrupts_held():
         cluster = LocalCluster(
-            n_workers=workers,
+            n_workers=config.minimum or workers,
             threads_per_worker=1,
             processes=True,
             host=LOOPBACK,
@@ -46,6 +46,13 @@ def open_local(config: ClusterConfig, listen: Listener) -> Iterator[Executor]:
     with cluster, Client(cluster) as client:
         if config.dashboard:
             listen(Note(f"dashboard: {client.dashboard_link}"))
-        # A worker that dies while it starts takes its nanny with it; scaling to the same size starts another.
-        task = partial(run_on_worker, limit=config.limit)
-        yield DaskExecutor(client, task, replace_workers=lambda: cluster.scale(workers))
+        task, most = partial(run_on_worker, limit=config.limit), 1
+        if config.minimum is not None:
+            cluster.adapt(minimum=config.minimum, maximum=workers)
+            most = workers
+
+        def replace_workers() -> None:
+            # A worker that dies while it starts takes its nanny with it; scaling to the same size starts another.
+            cluster.scale(workers if config.minimum is None else len(cluster.worker_spec))
+
+        yield DaskExecutor(client, task, replace_workers, most=most)

@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Iterator
 
 from pipeline.config.schema import ClusterConfig
+from pipeline.runtime.clusters.dask_started import open_started
 from pipeline.runtime.clusters.executor import Executor
 from pipeline.runtime.clusters.external import open_external
 from pipeline.runtime.clusters.local import open_local
@@ -34,6 +35,9 @@ def open_cluster(config: ClusterConfig, store: Store | None = None, listen: List
                 yield executor
         case "external":
             with open_external(config, store, listen) as executor:
+                yield executor
+        case "ssh" | "kubernetes":
+            with open_started(config, store, listen) as executor:
                 yield executor
         case "slurm":
             with open_slurm(config, store, listen) as executor:

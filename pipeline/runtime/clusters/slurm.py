@@ -13,7 +13,7 @@ from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.runtime import clusters
 from pipeline.runtime.admission import Admission
-from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker, set_dask_options
+from pipeline.runtime.clusters.dask_executor import DaskExecutor, check_dashboard, run_on_worker, set_dask_options
 from pipeline.runtime.clusters.executor import Executor
 from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.interrupts import interrupts_handled_by
@@ -27,7 +27,9 @@ def open_slurm(config: ClusterConfig, store: Store | None, listen: Listener) -> 
     with needs_extra("slurm"):
         from distributed import Client
 
-    set_dask_options()
+    if config.dashboard:
+        check_dashboard()
+    set_dask_options(watched=config.dashboard)
     for program in ("sbatch", "scancel"):
         if shutil.which(program) is None:
             raise StartError(
@@ -39,12 +41,15 @@ def open_slurm(config: ClusterConfig, store: Store | None, listen: Listener) -> 
     except (OSError, RuntimeError, ValueError) as error:  # no such interface, a size that is none, a folder for logs
         raise StartError(f"cluster=slurm: {error}; `python -m pipeline.run --help` lists its parameters") from error
     with cluster, Client(cluster) as client:
-        jobs = slurm_jobs.Jobs(cluster, config.jobs, lambda text: listen(Note(text)))
+        if config.dashboard:
+            listen(Note(f"dashboard: {client.dashboard_link}"))
+        jobs = slurm_jobs.Jobs(cluster, config.jobs, lambda text: listen(Note(text)), config.minimum)
         jobs.submit()
         admission = Admission(client, store, lambda text: listen(Note(text)))
         admission.wait("cluster=slurm", config.wait, "look at `squeue`", lambda: jobs.refusals)
         task = partial(run_on_worker, limit=config.limit)
-        yield DaskExecutor(client, task, replace_workers=jobs.submit, admission=admission)
+        most = 1 if config.minimum is None else config.jobs * (config.workers or 1)
+        yield DaskExecutor(client, task, jobs.submit, admission, most)
 
 
 def _load_jobs() -> ModuleType:

@@ -53,9 +53,13 @@ class _Arrivals(SchedulerPlugin):  # type: ignore[misc]
 class Jobs:
     """So many jobs, submitted again when they have ended or were refused."""
 
-    def __init__(self, cluster: Any, count: int, tell: Callable[[str], None]) -> None:
-        """``cluster``: a `slurm_cluster`; ``tell`` gets a line for every new reason of a refusal."""
-        self._cluster, self._count, self._tell = cluster, count, tell
+    def __init__(self, cluster: Any, count: int, tell: Callable[[str], None], minimum: int | None = None) -> None:
+        """``cluster``: a `slurm_cluster`; ``tell`` gets a line for every new reason of a refusal.
+
+        With a ``minimum`` there are as many as the work asks for, from that to ``count``.
+        """
+        self._cluster, self._count, self._tell, self._minimum = cluster, count, tell, minimum
+        self._scales = False
         self._arrivals = _Arrivals()
         self._told: set[str] = set()
         cluster.scheduler.add_plugin(self._arrivals)
@@ -65,7 +69,7 @@ class Jobs:
         """What Slurm said of jobs that it refused, if it refused all that there should be."""
         jobs = list(self._cluster.workers.values())
         said = sorted({job.refusal for job in jobs})
-        return said if len(jobs) == self._count and all(said) else []
+        return said if len(jobs) >= (self._minimum or self._count) and all(said) else []
 
     def submit(self) -> None:
         """Submit as many jobs as are missing, in place of those that have ended or were refused, too."""
@@ -83,7 +87,11 @@ class Jobs:
             self._arrivals.names -= set().union(
                 *(of_job.get(job, set()) for job in gone)
             )  # the next job may have the same name
-        self._cluster.scale(jobs=self._count)
+        if self._minimum is None:
+            self._cluster.scale(jobs=self._count)
+        elif not self._scales:
+            self._scales = True
+            self._cluster.adapt(minimum_jobs=self._minimum, maximum_jobs=self._count)
 
     def _workers(self) -> dict[str, set[str]]:
         """The names of each job's workers: that of the job, with a suffix for each if there are several."""
