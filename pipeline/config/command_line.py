@@ -205,6 +205,11 @@ def make_typed(composed: DictConfig) -> Config:
 
 def _check_name(override: Override) -> None:
     name = override.key_or_group
+    if name == "hydra/launcher" and _values(override) != ["hydra/launcher=basic"]:
+        raise ConfigError(
+            f"{override.input_line}: jobs of a sweep run one after another in this process, which writes their table; "
+            "the cluster spreads the work of each: cluster.workers=…, or cluster=slurm instead of submitit"
+        )
     if name == "hydra" or name.startswith(("hydra.", "hydra/")):
         return
     choices, groups, allowed = group_choices(), parameter_groups(), allowed_names()

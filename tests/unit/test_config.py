@@ -72,6 +72,8 @@ def test_data_sets_and_flags() -> None:
         ("select.policy=best", ["select.policy", "varied, global, paper"]),
         ("select=best", ["select=best", "global, paper, varied"]),
         ("select.top=0", ["select.top: must be 1 or more, got 0"]),
+        ("hydra/launcher=joblib", ["hydra/launcher=joblib", "one after another", "cluster.workers"]),
+        ("hydra/launcher=submitit_slurm", ["one after another", "cluster=slurm"]),
         ("cluster=big", ["cluster=big", "external, kubernetes, local, slurm, ssh, sync"]),
         ("cluster=external", ["cluster.address", "tcp://"]),
         ("cluster.workers=0", ["cluster.workers", "1 or more"]),

@@ -25,7 +25,7 @@ def open_external(config: ClusterConfig, store: Store | None, listen: Listener) 
     set_dask_options()
     try:
         client = Client(config.address, timeout=config.wait)
-    except (OSError, TimeoutError, ValueError) as error:
+    except (OSError, TimeoutError, TypeError, ValueError) as error:  # TypeError: no certificate for tls://
         raise StartError(
             f"cluster.address={config.address}: no Dask scheduler answers there ({error}); "
             "start one with `dask scheduler` and workers with `dask worker`, or use cluster=local"
