@@ -19,7 +19,7 @@ from riot.fabricate.hinge_record import HingeCheck
 from riot.fabricate.in_place import PlacementCheck, check_placement
 from riot.fabricate.model import Design
 from riot.fabricate.motion_check import MotionCheck, check_motion
-from riot.fabricate.part_check import PartCheck, check_part, thinner_pin
+from riot.fabricate.part_check import PartCheck, check_part, refuse_large_hinges, thinner_pin
 from riot.fabricate.solid import Part, make_parts
 from riot.fabricate.tuning import GREATEST_WALL_MM, SIZE_FACTOR, WALL_STEP_MM
 from riot.parameters import FabricationParameters, allowed_range
@@ -139,7 +139,10 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None, *
     tried = asked
     while True:
         try:
-            puzzle = build(transform, tried)
+            puzzle_design = design(transform, tried)
+            refuse_large_hinges(puzzle_design)
+            parts = make_parts(puzzle_design)
+            puzzle = BuiltPuzzle(puzzle_design, parts, certify(puzzle_design, parts))
             if puzzle.certificate.passed:
                 return replace(puzzle, changes=_changes(asked, tried))
             failed = [check for check in puzzle.certificate.parts if check.failures]

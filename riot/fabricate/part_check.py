@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import shapely
 from shapely import affinity
 
-from riot.errors import needs_extra
+from riot.errors import FabricationError, needs_extra
 from riot.fabricate.model import Design, PieceDesign
 from riot.fabricate.outlines import narrowest, widening_parameter
 from riot.fabricate.overhang import SupportCheck, check_supports
@@ -77,9 +77,9 @@ def check_part(part: Part, design: Design) -> PartCheck:
             f"{part_words(piece)} is only {wall:.2f} mm wide where a "
             f"knuckle or a good part of it hangs on it, less than {LEAST_WALL_MM:g}: enlarge {mend}"
         )
-    if piece is not None and piece.hinge_share > LARGEST_HINGE_SHARE:
-        mend, value = "size_mm", size_for_hinges(piece, design)
-        failures.append(_large_hinges(piece, design, value))
+    if piece is not None and (large := large_hinges(piece, design)) is not None:
+        mend, (words, value) = "size_mm", large
+        failures.append(words)
     supports = check_supports(part, design.parameters.layer_mm)
     failures += supports.failures
     share = math.nan if piece is None else piece.hinge_share
@@ -120,9 +120,12 @@ def size_for_hinges(piece: PieceDesign, design: Design, parameters: FabricationP
     return float(size)
 
 
-def _large_hinges(piece: PieceDesign, design: Design, size: float) -> str:
-    """What is wrong with a piece's hinges, and at which sizes it is not, with these and with thinner ones."""
-    parameters = design.parameters
+def large_hinges(piece: PieceDesign, design: Design) -> tuple[str, float] | None:
+    """What is wrong with a piece's hinges, and at which sizes it is not, with these and with thinner ones; None if they
+    are small enough. Areas tell: no solid is built."""
+    if piece.hinge_share <= LARGEST_HINGE_SHARE:
+        return None
+    parameters, size = design.parameters, size_for_hinges(piece, design)
     ways = [f"enlarge size_mm ({parameters.size_mm:g}) to {size:g}"]
     thin_pin = thinner_pin(parameters) or parameters
     rod = f"filament for pins (pivot=rod, pin_mm={FILAMENT_MM:g})"
@@ -133,10 +136,21 @@ def _large_hinges(piece: PieceDesign, design: Design, size: float) -> str:
         if knuckle_radius(thinner) < knuckle_radius(parameters):
             least = size_for_hinges(piece, design, thinner)
             ways.append(f"to {least:g} with {words}" if least > parameters.size_mm else f"take {words}")
-    return (
+    words = (
         f"{part_words(piece)}: its hinges are {piece.hinge_share:.0%} as large as it, more than "
         f"{LARGEST_HINGE_SHARE:.0%}: {', or '.join(ways)}"
     )
+    return words, size
+
+
+def refuse_large_hinges(design: Design) -> None:
+    """Raise `riot.errors.FabricationError` ``uncertified`` if hinges are too large for their pieces, with the size at
+    which none are; so that sizes are found from areas before anything is built."""
+    large = [found for piece in design.pieces if (found := large_hinges(piece, design)) is not None]
+    if large:
+        raise FabricationError(
+            "uncertified", "; ".join(words for words, _ in large), "size_mm", max(size for _, size in large)
+        )
 
 
 def thinner_pin(parameters: FabricationParameters) -> FabricationParameters | None:

@@ -37,7 +37,7 @@ def laser_notes(design: Design) -> list[str]:
     if design.placement is not None:
         return [
             "laser files: no layers with knuckles, because pins in their sockets are printed in place: cut the "
-            "outlines, or choose another --pivot"
+            "outlines, or choose another pivot"
         ]
     if design.telescope is None:
         return []
