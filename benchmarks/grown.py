@@ -30,15 +30,16 @@ class Member:
     number: int
     path: Path
     variation: int
+    amplitude: float = AMPLITUDE
 
 
-def members(paths: Sequence[Path], count: int) -> list[Member]:
+def members(paths: Sequence[Path], count: int, amplitude: float = AMPLITUDE) -> list[Member]:
     """The first ``count`` shapes of the collection: every picture first, evenly spread, then variation by variation.
 
     A smaller collection is the beginning of a larger one.
     """
     order = _spread(len(paths))
-    return [Member(k, paths[order[k % len(order)]], k // len(order)) for k in range(count)]
+    return [Member(k, paths[order[k % len(order)]], k // len(order), amplitude) for k in range(count)]
 
 
 def grow(member: Member) -> Shape | None:
@@ -52,7 +53,7 @@ def grow(member: Member) -> Shape | None:
     rng = np.random.default_rng([SEED, member.number])
     points = turned(shape.points, rng)
     name = f"{shape.name}~{member.variation}"
-    amplitude = AMPLITUDE
+    amplitude = member.amplitude
     state = rng.bit_generator.state
     for _ in range(TRIES):
         rng.bit_generator.state = state

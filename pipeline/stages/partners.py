@@ -134,7 +134,7 @@ def find(
 
 
 def _trunks_of(query: TrunkStack, i: int, few: Mapping[int, IntArray]) -> TrunkStack:
-    shape = query.shape(i)
+    shape = query.shapes[i]
     return scores.trunk_stack.chosen(shape, few[i]) if i in few else shape
 
 
@@ -167,14 +167,11 @@ def _score_again(
     """Score again the pairs of ``rows`` by all trunks, from the side of the shard's shape or of the query's."""
     if len(rows) == 0:
         return
-    numbers, number = np.unique(columns["j"][rows], return_inverse=True)
-    partners = scores.index.join([index.trunks.shape(int(j)) for j in numbers])
-    pairs = np.column_stack([number, columns["i"][rows]]).astype(np.int64)
-    least = columns["score"][rows] * (1 - ROUNDING)
-    if shard_first:
-        again = scores.qcrs.score_pairs(partners, query, pairs, settings, least)
-    else:
-        again = scores.qcrs.score_pairs(query, partners, pairs[:, ::-1].copy(), settings, least)
+    # The trunks of the whole shard are laid out for that, once for all batches that are searched with it.
+    first, second = (index.trunks, query) if shard_first else (query, index.trunks)
+    numbers = ("j", "i") if shard_first else ("i", "j")
+    pairs = np.column_stack([columns[name][rows] for name in numbers]).astype(np.int64)
+    again = scores.qcrs.score_pairs(first, second, pairs, settings, columns["score"][rows] * (1 - ROUNDING))
     for name in ("score", "n", "trunk_i", "trunk_j", "shift"):
         columns[name][rows] = getattr(again, name)
 

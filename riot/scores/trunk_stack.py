@@ -68,6 +68,11 @@ class TrunkStack:
         )
 
     @cached_property
+    def shapes(self) -> tuple[TrunkStack, ...]:
+        """Every shape's trunks, as a stack, which keeps what is laid out of it."""
+        return tuple(self.shape(number) for number in range(len(self)))
+
+    @cached_property
     def forest(self) -> Forest:
         """These trunks, laid out for the search."""
         shape = np.repeat(np.arange(len(self)), np.diff(self.leaf_starts))

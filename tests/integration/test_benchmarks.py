@@ -132,6 +132,36 @@ def test_each_bound_leaves_fewer_trunk_pairs_and_a_greater_distance_more(tmp_pat
 
 
 @pytest.mark.system
+def test_the_approximate_search_is_measured_against_the_exact_one(tmp_path: Path) -> None:
+    root = pictures(tmp_path / "pictures", range(6))
+    figures, plot = tmp_path / "recall.json", tmp_path / "recall.svg"
+    done = run(
+        *(
+            "recall",
+            "--root",
+            str(root),
+            "--sizes",
+            "6,18",
+            "--part",
+            "6",
+            "--batches",
+            "2",
+            "--batch",
+            "2",
+            "--k",
+            "3",
+        ),
+        *("--json", str(figures), "--plot", str(plot)),
+    )
+    assert done.returncode == 0, done.stderr
+    one, three = json.loads(figures.read_text(encoding="utf-8"))
+    # A collection of one part is searched exactly; a batch of it is asked once.
+    assert (one["shapes"], one["asked"], one["recall"]) == (6, 2, 1.0)
+    assert (three["shapes"], three["asked"]) == (18, 4) and 0.5 < three["least_recall"] <= three["recall"] <= 1.0
+    assert plot.read_text(encoding="utf-8").startswith("<?xml")
+
+
+@pytest.mark.system
 def test_starts_are_measured_beside_python_and_numpy(tmp_path: Path) -> None:
     done = run("start", "--processes", "1", "--json", str(tmp_path / "figures.json"))
     assert done.returncode == 0, done.stderr

@@ -1,0 +1,198 @@
+"""What ``qcrs.mode=topk`` and ``approximate`` cost as a collection grows, and how many of the best partners are found.
+
+    python benchmarks/recall.py --root DIR --sizes 1280,5120,20480 --json recall.json --plot recall.svg
+
+The collection is grown from the pictures below DIR (see grown.py), deformed so much that few are near-duplicates. A few
+batches of it look for the partners of their shapes as in a run: in the own part of the index, then in all the others.
+Costs are CPU milliseconds of one shape: the mean of these; that of scoring all pairs is half of N pairs, of which some
+are scored. Recall is the share of the exact k best partners that the approximate mode finds from the shape's side.
+"""
+
+from __future__ import annotations
+
+import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
+
+# ruff: isort: split
+import argparse
+import json
+import math
+import resource
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from grown import SEED, grown_trunks, members
+from inputs import pictures
+from recall_plot import Growth, draw
+
+from pipeline.stages.partners import MARGIN, ShardPosition, Wanted, find
+from pipeline.stages.partners_beyond import SPARE, promising_trunks, worst_of_best
+from pipeline.stages.shards import SHAPES_PER_SHARD
+from pipeline.store.artifact import Artifact
+from riot.parameters import QcrsParameters
+from riot.scores.index import TrunkIndex, join
+from riot.scores.qcrs import score_pairs
+from riot.scores.trunk_stack import TrunkStack, stack
+from riot.types import FloatArray, IntArray
+
+AMPLITUDE = 0.15
+"""Of a deformation: one in four is a near-duplicate of its picture, on MPEG-7."""
+
+SAMPLED_PAIRS = 2000
+"""Pairs that are scored to know what all cost, of the first part."""
+
+T = TypeVar("T")
+
+
+@dataclass
+class Batch:
+    """Shapes of one part that look for partners: what each mode found so far, rows of (shape, part, j, score)."""
+
+    part: int
+    first: int
+    trunks: TrunkStack
+    limits: dict[str, FloatArray]
+    few: dict[int, IntArray]
+    found: dict[str, list[tuple[int, int, int, float]]]
+
+    def add(self, mode: str, part: int, rows: Artifact) -> None:
+        """Note the rows of a search."""
+        i, j, score = (rows.arrays[name].tolist() for name in ("i", "j", "score"))
+        self.found[mode] += [(a, part, b, value) for a, b, value in zip(i, j, score, strict=True)]
+
+    def best(self, mode: str, shape: int, count: int) -> set[tuple[int, int]]:
+        """The ``count`` best partners of a shape, as part and number."""
+        rows = sorted((row for row in self.found[mode] if row[0] == shape), key=lambda row: (-row[3], row[1], row[2]))
+        return {row[1:3] for row in rows[:count]}
+
+
+def measure(files: Sequence[Path], batches: int, size: int, count: int) -> Growth:
+    """Search the collection of these parts for the partners of so many batches of ``size`` shapes."""
+    cpu = {"topk": 0.0, "approximate": 0.0, "index": 0.0}
+
+    def timed(name: str, work: Callable[[], T]) -> T:
+        start = time.process_time()
+        done = work()
+        cpu[name] += time.process_time() - start
+        return done
+
+    own = sorted({int((k + 0.5) * len(files) / batches) for k in range(batches)})
+    usual, sizes, asking = QcrsParameters(), [], []
+    for part in own:
+        index = _laid_out(_load(files[part]))
+        first = (len(index) - size) // 2
+        query = join([index.trunks.shape(k) for k in range(first, first + size)])
+        batch = Batch(part, first, query, {}, {}, {"topk": [], "approximate": []})
+        position = ShardPosition(first, False)
+        rank = min(count, math.ceil(SPARE * count / len(files)))
+        for mode, margin, last in (("topk", 1.0, count), ("approximate", MARGIN, rank)):
+            wanted = Wanted(count, usual, margin)
+            rows = timed(mode, lambda: find(query, index, wanted, position, range(size), np.zeros(size)))  # noqa: B023
+            batch.add(mode, part, rows)
+            i, score = rows.arrays["i"], rows.arrays["score"]
+            batch.limits[mode] = worst_of_best(i, score, size, last)
+            batch.few = promising_trunks(i, rows.arrays["promising"], size, count)
+        asking.append(batch)
+    for part, file in enumerate(files):
+        trunks = _load(file)
+        index = timed("index", lambda: _laid_out(trunks))  # noqa: B023
+        sizes.append(len(index))
+        for batch in asking:
+            if batch.part != part:
+                position = ShardPosition(-1, batch.part > part)
+                for mode, few in (("topk", None), ("approximate", batch.few)):
+                    least, of = batch.limits[mode], Wanted(count, usual)
+                    batch.add(mode, part, timed(mode, lambda: find(
+                        batch.trunks, index, of, position, range(size), least, few)))  # noqa: B023  # fmt: skip
+    shares = [
+        len(exact & batch.best("approximate", shape, count)) / len(exact)
+        for batch in asking
+        for shape in range(size)
+        if (exact := batch.best("topk", shape, count))
+    ]
+    shapes, asked = sum(sizes), len(asking) * size
+    exact_ms, approximate_ms = (1e3 * cpu[mode] / asked for mode in ("topk", "approximate"))
+    return Growth(
+        shapes=shapes,
+        asked=asked,
+        all_ms=_pair_ms(_load(files[0])) * (shapes - 1) / 2,
+        index_ms=1e3 * cpu["index"] / shapes,
+        exact_ms=exact_ms,
+        approximate_ms=approximate_ms,
+        recall=float(np.mean(shares)),
+        least_recall=float(np.min(shares)),
+        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+    )
+
+
+def _laid_out(trunks: TrunkStack) -> TrunkIndex:
+    """The index of a part, and its trunks as `find` scores them again."""
+    index = TrunkIndex.build([trunks])
+    score_pairs(index.trunks, index.trunks, np.zeros((1, 2), dtype=np.int64))
+    return index
+
+
+def _pair_ms(trunks: TrunkStack) -> float:
+    pairs = np.random.default_rng(SEED).integers(0, len(trunks), (SAMPLED_PAIRS, 2))
+    score_pairs(trunks, trunks, pairs[:1])  # lays out the trunks
+    start = time.process_time()
+    score_pairs(trunks, trunks, pairs)
+    return 1e3 * (time.process_time() - start) / SAMPLED_PAIRS
+
+
+def grow_parts(paths: Sequence[Path], count: int, amplitude: float, part: int, folder: Path) -> list[Path]:
+    """Files with the trunks of the parts of a grown collection; those that are there are kept."""
+    everyone, files = members(paths, count, amplitude), []
+    for k, start in enumerate(range(0, count, part)):
+        files.append(folder / f"part-{k:03d}.npz")
+        if not files[-1].exists():
+            grown = [grown_trunks(member) for member in everyone[start : start + part]]
+            with files[-1].open("wb") as stream:
+                np.savez(stream, allow_pickle=False, **stack([good for good in grown if good is not None]).to_arrays())
+    return files
+
+
+def _load(file: Path) -> TrunkStack:
+    with np.load(file) as arrays:
+        return TrunkStack.from_arrays({name: arrays[name] for name in arrays.files})
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Grow, search, print, write JSON and the plot if asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--root", type=Path, required=True, help="a folder of pictures")
+    parser.add_argument("--sizes", default="1280,2560,5120", help="numbers of shapes, with commas")
+    parser.add_argument("--amplitude", type=float, default=AMPLITUDE, help="of the deformations, in units of √area")
+    parser.add_argument("--k", type=int, default=20, help="partners of a shape")
+    parser.add_argument("--batches", type=int, default=6, help="batches that look for partners")
+    parser.add_argument("--batch", type=int, default=12, help="shapes of such a batch")
+    parser.add_argument("--part", type=int, default=SHAPES_PER_SHARD, help="shapes of a part of the index")
+    parser.add_argument("--parts", type=Path, help="a folder that keeps the trunks for other runs")
+    parser.add_argument("--json", type=Path, help="write the figures to this file too")
+    parser.add_argument("--plot", type=Path, help="draw costs and recall: .svg, .png or .pdf")
+    chosen = parser.parse_args(arguments)
+    sizes = sorted(int(text) for text in chosen.sizes.split(","))
+    table = []
+    with tempfile.TemporaryDirectory() as folder:
+        parts = grow_parts(
+            pictures(chosen.root), sizes[-1], chosen.amplitude, chosen.part, chosen.parts or Path(folder)
+        )
+        for size in sizes:
+            kept = parts[: max(1, round(size / chosen.part))]
+            measure(kept[:1], 1, 1, 1)  # loads the kernels
+            table.append(measure(kept, chosen.batches, chosen.batch, chosen.k))
+            print(table[-1].sentence, flush=True)
+    if chosen.json:
+        chosen.json.write_text(json.dumps([asdict(row) for row in table], indent=1) + "\n", encoding="utf-8")
+    if chosen.plot:
+        draw(table, chosen.plot)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
