@@ -10,13 +10,13 @@ if "pipeline.runtime.isolated_process" in sys.orig_argv:
     import pipeline.runtime.threads  # noqa: F401  (before anything that loads a numeric library)
     from pipeline.store.store import Store
 
-    _put = Store.put
+    _commit = Store.commit
 
-    def _counted(self, parts, artifact, cost=None):
-        key = _put(self, parts, artifact, cost)
+    def _counted(self, parts, *rest, **options):
+        key = _commit(self, parts, *rest, **options)
         descriptor = os.open(os.environ["PUTS"], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
         os.write(descriptor, f"{parts.stage} {key}\n".encode())
         os.close(descriptor)
         return key
 
-    Store.put = _counted
+    Store.commit = _counted
