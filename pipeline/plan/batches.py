@@ -68,7 +68,7 @@ def spans_of_groups(contents: Sequence[str]) -> list[list[range]]:
     content: a new shape changes, on each level, the span that it is in, and seldom the next.
 
     >>> [len(level) for level in spans_of_groups([str(number) for number in range(60)])]
-    [32, 11, 4]
+    [31, 9, 3]
     """
     levels: list[list[range]] = []
     spans = [range(number, number + 1) for number in range(len(contents))]

@@ -49,7 +49,6 @@ def write_parquet(
     # Sorted numbers differ little from the one before, and scores share their first bytes: both are smaller so.
     encodings = {field.name: "BYTE_STREAM_SPLIT" for field in schema if field.type == pa.float32()}
     encodings |= dict.fromkeys(sorted_by, "DELTA_BINARY_PACKED")
-    written: list[pq.FileMetaData] = []
     with pq.ParquetWriter(
         path,
         schema,
@@ -57,11 +56,10 @@ def write_parquet(
         sorting_columns=sorting,
         use_dictionary=[name for name in schema.names if name not in encodings] if encodings else True,
         column_encoding=encodings or None,
-        metadata_collector=written,
     ) as writer:
         for batch in batches:
             writer.write_table(batch, row_group_size=max(1, len(batch)))
-    return written[0]
+    return pq.read_metadata(path)
 
 
 def write_metadata(path: Path, schema: pa.Schema, files: Mapping[str, pq.FileMetaData]) -> None:

@@ -10,6 +10,7 @@ import pytest
 from pipeline.config.schema import SelectConfig
 from pipeline.datasets.item import Item
 from pipeline.errors import StartError
+from pipeline.stages.candidates import Shapes
 from pipeline.stages.choose import choose
 from pipeline.stages.collected import Collected
 from pipeline.stages.shortlist import varied
@@ -120,7 +121,8 @@ def test_wished_shapes() -> None:
     i, j = np.array([0, 0, 2, 3]), np.array([2, 3, 3, 4])
 
     def wished(**wishes: Any) -> list[bool]:
-        return wished_shapes(SelectConfig(**wishes), ITEMS).of(len(ITEMS))(i, j).tolist()
+        shapes = Shapes.of([""] * len(ITEMS), wished_shapes(SelectConfig(**wishes), ITEMS))
+        return shapes.admit(i, j).tolist()
 
     assert wished() == [True] * 4
     assert wished(classes="rod") == [True, False, True, False]

@@ -281,7 +281,7 @@ def bash(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], list[str]]
         ("riot study quiz thr", ["threshold="]),
         ("riot mine +dataset=mp", ["mpeg7"]),
         ("riot mine select.t", ["select.top="]),
-        ("riot mine --plan cluster=s", ["slurm", "sync"]),
+        ("riot mine --plan cluster=s", ["slurm", "ssh", "sync"]),
         ("riot mine fabricate.fix=", ["true", "false"]),
         ("riot mine dataset.root=be", ["bell.png"]),
         ("riot completion ", list(SHELLS)),
