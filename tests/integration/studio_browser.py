@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from page_browser import chromium
 from studio_process import StudioProcess, pictures, studio
 
 from riot.transform.riot_file import from_json
 from riot.transform.transform import Transform
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+FLAGS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 """Three dimensions are drawn without a graphics card."""
 P, CHAIN, Q = (f"[data-view={view}] svg" for view in ("p", "chain", "q"))
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra dev)")
-    if CHROMIUM is None:
-        pytest.skip("there is no Chromium on this machine")
-    with api.sync_playwright() as started:
-        launched = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS, timeout=0)
-        yield launched
-        launched.close()
+    yield from chromium(*FLAGS)
 
 
 @pytest.fixture(scope="module")

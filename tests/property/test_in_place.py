@@ -14,6 +14,7 @@ import manifold3d
 import numpy as np
 import pytest
 import trimesh
+from exact_designs import transform_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -30,22 +31,15 @@ from riot.fabricate.pivot import make_pivot
 from riot.fabricate.rings import Ring
 from riot.fabricate.solid import Part, extruded, make_parts
 from riot.fabricate.tuning import LEAST_WALL_MM, SLOPE
-from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.motion.planner import motion_of
 from riot.parameters.fabrication import PIVOTS
 from riot.transform.riot_file import save
-from riot.transform.transform import Transform
 
 PAIRS = ((0, 0), (5, 1))
 
 
 def in_place(**changes: float) -> FabricationParameters:
     return FabricationParameters(**{**PIVOTS["in-place"], **changes})  # type: ignore[arg-type]
-
-
-@cache
-def transform_of(n: int, seed: int) -> Transform:
-    return exact_transform(dudeney() if n == 0 else exact_pair(n, seed))
 
 
 @cache

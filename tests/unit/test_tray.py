@@ -3,34 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from itertools import product
 from pathlib import Path
 
 import pytest
 import shapely
 import trimesh
+from exact_designs import design_of, transform_of
 
-from riot import Transform
 from riot.cli.main import main
-from riot.fabricate import Design, FabricationError, FabricationParameters, design
+from riot.fabricate import FabricationError, FabricationParameters
 from riot.fabricate.motion_check import placed_parts
 from riot.fabricate.overhang import check_supports
 from riot.fabricate.solid import extruded, make_parts
 from riot.fabricate.tray import check_tray, check_tray_bed, tray_parts
 from riot.fabricate.tuning import TRAY_FLOOR_MM, TRAY_GAP_MM
-from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.transform.riot_file import save
-
-
-@cache
-def transform_of(n: int, seed: int) -> Transform:
-    return exact_transform(dudeney() if n == 0 else exact_pair(n, seed))
-
-
-@cache
-def design_of(n: int, seed: int) -> Design:
-    return design(transform_of(n, seed))
 
 
 @pytest.mark.parametrize("pair", [(0, 0), (5, 1)])
