@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -56,6 +58,13 @@ class Deployment:
     ) -> subprocess.Popen[bytes]:
         options = ("--nworkers", str(count), "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1")
         return self.start("distributed.cli.dask_worker", *options, source=source, variables=variables)
+
+    def written_address(self) -> str:
+        """The address in the scheduler's file, once it is there whole: the file comes into being empty."""
+        while True:
+            assert self.started[0].poll() is None
+            with suppress(FileNotFoundError, ValueError):
+                return str(json.loads(Path(self.file).read_text(encoding="utf-8"))["address"])
 
     def wait_for(self, count: int) -> None:
         with Client(self.address) as client:

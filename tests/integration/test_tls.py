@@ -49,9 +49,8 @@ def test_a_run_with_certificates_and_none_without(finished: Path, root: Path, tm
                 line, env={**os.environ, **more}, cwd=tmp_path, capture_output=True, text=True, timeout=240
             )
 
-        while not Path(deployment.file).exists():
-            assert deployment.started[0].poll() is None
-        (address,) = re.findall(r'"address": "(tls://[^"]+)"', Path(deployment.file).read_text(encoding="utf-8"))
+        address = deployment.written_address()
+        assert address.startswith("tls://")
         ended = mine("with", variables)
         assert ended.returncode == CLEAN, ended.stderr
         assert digests(tmp_path / "with") == digests(finished)
