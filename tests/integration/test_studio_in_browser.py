@@ -31,6 +31,18 @@ __all__ = ["browser", "files", "fresh", "open_page", "served"]
 
 pytestmark = pytest.mark.system
 
+WAY_OF_A_PIECE = """view => {
+    const pieces = [view, '[data-view=chain] svg'].map(svg => document.querySelector(`${svg} [data-piece]`));
+    const screen = document.querySelector(`${view} .pieces`).getScreenCTM();
+    const box = pieces[0].querySelector('.piece').getBBox();
+    return pieces.map(piece => {
+        const {matrix} = piece.transform.baseVal.consolidate();
+        const at = new DOMPoint(box.x + box.width / 2, box.y + box.height / 2).matrixTransform(screen.multiply(matrix));
+        return [at.x, at.y];
+    });
+}"""
+"""Where the middle of a piece is on the screen in the picture of a shape, and where it would be as in the chain."""
+
 
 def test_from_two_pictures_to_parts(fresh: Any, files: tuple[Path, Path]) -> None:
     page = fresh
@@ -95,6 +107,38 @@ def test_pieces_swing_by_play_slider_and_drag(fresh: Any, files: tuple[Path, Pat
     before = shown(page)
     page.keyboard.press("ArrowRight")
     assert shown(page) != before
+
+
+def test_a_piece_of_either_shape_swings_by_pointer_and_finger_and_goes_back(
+    fresh: Any, files: tuple[Path, Path]
+) -> None:
+    page = fresh
+    give_both(page, files)
+    page.locator("#certificate", has_text="swings").wait_for()  # how it moves is planned after
+    page.click("#play")
+    slider, session = page.locator("#slider"), page.context.new_cdp_session(page)
+
+    def touch(kind: str, *points: dict[str, float]) -> None:
+        session.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": points})
+
+    for view, rest, by_finger in ((P, 0.0, False), (Q, 1.0, True)):
+        slider.fill("0.4")
+        (x, y), (to_x, to_y) = page.evaluate(WAY_OF_A_PIECE, view)
+        way = [{"x": x + k / 20 * (to_x - x), "y": y + k / 20 * (to_y - y)} for k in range(21)]
+        assembled = shown(page, view)
+        slider.fill(str(rest))
+        if by_finger:
+            touch("Start", way[0])
+        else:
+            page.mouse.move(**way[0])
+            page.mouse.down()
+        for point in way[1:]:
+            touch("Move", point) if by_finger else page.mouse.move(**point)
+        assert abs(float(slider.input_value()) - rest) > 0.1
+        assert shown(page, view) == shown(page) != assembled
+        touch("End") if by_finger else page.mouse.up()
+        page.locator(f'{view} [data-piece][transform="{assembled[0]}"]').wait_for()
+        assert shown(page, view) == assembled != shown(page)
 
 
 def test_a_point_is_pulled_answered_while_it_moves_and_undone_by_keys(fresh: Any, files: tuple[Path, Path]) -> None:

@@ -21,7 +21,7 @@ const ring = (x, y) => `M${x - RING} ${y}a${RING} ${RING} 0 1 0 ${2 * RING} 0a${
 export class Figure {
   /**
    * @param {SVGSVGElement} root
-   * @param {{side?: Side, plain?: boolean}} [options] `side` stands still as that shape, with its input and trunk;
+   * @param {{side?: Side, plain?: boolean}} [options] `side` shows that shape, with its input and trunk;
    *   `plain` has pieces alone
    */
   constructor(root, {side, plain = false} = {}) {
@@ -30,7 +30,9 @@ export class Figure {
     this.plain = plain;
     /** @type {Scene | null} */
     this.scene = null;
-    this.time = side === 'q' ? 1 : 0;
+    /** The time at which it stands still. */
+    this.rest = side === 'q' ? 1 : 0;
+    this.time = this.rest;
     /** @type {SVGGElement[]} */
     this.groups = [];
     this.under = svg('g', {class: 'under'});
@@ -70,7 +72,7 @@ export class Figure {
   /** Fit the picture to what it shows, in all poses if it swings. */
   frame() {
     if (!this.scene) return;
-    const times = this.side ? [this.time] : FRAMES;
+    const times = this.side ? [this.rest] : FRAMES;
     const given = this.side ? [this.scene[this.side].input, this.scene[this.side].bent ?? []] : [];
     this.#view(boundsOf(...swept(this.scene, times), ...given));
   }
@@ -89,7 +91,7 @@ export class Figure {
     this.time = time;
     if (!this.scene) return;
     const pose = poseAt(this.scene, time), lifts = this.scene.motion.lifted.length > 0;
-    const levels = lifts && !this.side ? levelsAt(this.scene, time) : null;
+    const levels = lifts && !this.plain ? levelsAt(this.scene, time) : null;
     this.groups.forEach((group, k) => {
       const turn = (pose.turn[k] * 180) / Math.PI;
       group.setAttribute('transform', `translate(${pose.x[k].toFixed(4)} ${pose.y[k].toFixed(4)})rotate(${turn.toFixed(3)})`);

@@ -22,7 +22,7 @@ export function beginStage() {
     const root = /** @type {SVGSVGElement} */ (find(/** @type {string} */ (`[data-view=${view}] svg`)));
     figures[view] = new Figure(root, view === 'chain' ? {} : {side: view});
   }
-  const swing = new Swing(figures.chain, find('#play'), find('#slider'));
+  const swing = new Swing(figures.chain, [figures.p, figures.q], find('#play'), find('#slider'));
   toggles();
   let greeted = false;
   watch(['scene', 'step'], () => {

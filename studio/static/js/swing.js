@@ -2,19 +2,22 @@
 
 import {placed, poseAt, unplaced} from './pose.js';
 import {calm} from './dom.js';
+import {state} from './store.js';
 
 const WAY_MS = 2600;
 const REST_MS = 500;
-const REACH = 0.12;
+const HOME_MS = 300;
+const REACH = 0.5;
 const STEP = 0.004;
 
 export class Swing {
   /**
-   * @param {import('./figure.js').Figure} figure
+   * @param {import('./figure.js').Figure} figure the chain
+   * @param {import('./figure.js').Figure[]} ends both shapes: their pieces can be dragged, too, and go back when let go
    * @param {HTMLButtonElement} button
    * @param {HTMLInputElement} slider from 0 to 1
    */
-  constructor(figure, button, slider) {
+  constructor(figure, ends, button, slider) {
     this.figure = figure;
     this.button = button;
     this.slider = slider;
@@ -26,7 +29,7 @@ export class Swing {
       this.play(false);
       this.show(slider.valueAsNumber);
     });
-    this.#drags();
+    for (const one of [figure, ...ends]) this.#drags(one);
   }
 
   /** @param {boolean} wanted */
@@ -62,13 +65,13 @@ export class Swing {
     requestAnimationFrame(next => this.#tick(next));
   }
 
-  #drags() {
-    const {figure} = this;
+  /** @param {import('./figure.js').Figure} figure */
+  #drags(figure) {
     /** @type {{piece: number, x: number, y: number} | null} */
     let held = null;
     figure.root.addEventListener('pointerdown', event => {
       const piece = figure.pieceAt(event);
-      if (piece === null || event.button || !figure.scene) return;
+      if (piece === null || event.button || !figure.scene || (figure.side && state.step === 'edit')) return;
       this.play(false);
       const {x, y} = figure.point(event);
       held = {piece, ...unplaced(poseAt(figure.scene, figure.time), piece, x, y)};
@@ -78,36 +81,58 @@ export class Swing {
     });
     figure.root.addEventListener('pointermove', event => {
       if (!held || !figure.scene) return;
-      this.show(timeNear(figure.scene, held, figure.point(event), figure.time));
+      const time = timeNear(figure.scene, held, figure.point(event), figure.time);
+      figure.pose(time);
+      this.show(time);
     });
     for (const name of ['pointerup', 'pointercancel']) {
       figure.root.addEventListener(name, () => {
+        if (!held) return;
         held = null;
         figure.root.classList.remove('held');
+        if (figure.side) goHome(figure);
       });
     }
   }
 }
 
 /**
- * The time, near the present one, that brings the held point of a piece nearest to the pointer. Not far ahead at once: a
- * point may pass the same place twice.
+ * Let a picture of one shape show that shape again.
+ * @param {import('./figure.js').Figure} figure
+ */
+function goHome(figure) {
+  const from = figure.time, start = performance.now();
+  const tick = (/** @type {number} */ now) => {
+    if (figure.root.classList.contains('held')) return;
+    const share = calm.matches ? 1 : Math.max(0, Math.min(1, (now - start) / HOME_MS));
+    figure.pose(from + share * (figure.rest - from));
+    if (share < 1) requestAnimationFrame(tick);
+  };
+  requestAnimationFrame(tick);
+}
+
+/**
+ * The time, near the present one, that brings the held point of a piece nearest to the pointer. The point's way there is
+ * not long: it may pass the same place twice. A time in which it rests is passed over.
  * @param {import('./types.js').Scene} scene
  * @param {{piece: number, x: number, y: number}} held
  * @param {{x: number, y: number}} pointer
  * @param {number} now
  */
 export function timeNear(scene, held, pointer, now) {
-  const distance = (/** @type {number} */ time) => {
-    const at = placed(poseAt(scene, time), held.piece, held.x, held.y);
-    return Math.hypot(at.x - pointer.x, at.y - pointer.y);
-  };
-  let best = now, least = distance(now);
-  for (let time = Math.max(0, now - REACH); time <= Math.min(1, now + REACH); time += STEP) {
-    const far = distance(time);
-    if (far < least - 1e-6) [best, least] = [time, far];
+  const at = (/** @type {number} */ time) => placed(poseAt(scene, time), held.piece, held.x, held.y);
+  const here = at(now);
+  let best = now, least = Math.hypot(here.x - pointer.x, here.y - pointer.y);
+  for (const step of [-STEP, STEP]) {
+    let time = now, last = here, way = 0;
+    while (way < REACH && time !== Math.round(0.5 + Math.sign(step) / 2)) {
+      time = Math.max(0, Math.min(1, time + step));
+      const next = at(time), far = Math.hypot(next.x - pointer.x, next.y - pointer.y);
+      if (far < least - 1e-6) [best, least] = [time, far];
+      way += Math.hypot(next.x - last.x, next.y - last.y);
+      last = next;
+    }
   }
-  for (const end of [0, 1]) if (Math.abs(end - now) < REACH && distance(end) < least) best = end;
   return best;
 }
 

@@ -21,7 +21,7 @@ export function thumbnail(scene) {
   const figures = /** @type {const} */ (['p', undefined, 'q']).map(side => {
     const root = svg('svg', {'aria-hidden': 'true'});
     const figure = new Figure(root, {side, plain: true});
-    figure.time = side === 'q' ? 1 : side ? 0 : STILL;
+    if (!side) figure.time = STILL;
     figure.show(scene);
     box.append(root);
     return figure;
