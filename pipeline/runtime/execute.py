@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -186,6 +187,8 @@ def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
     if not items:
         return []
     stage, least = BY_NAME[items[0].stage], TASKS_PER_WORKER * workers
+    if stage.searches:
+        return searches(items, max(1, min(stage.searches, len(items) // least)))
     if stage.tile:
         # Of large groups a tile has few: as many batches on a side as of small ones.
         widest = max(1, stage.tile // max(1, max(len(item.sources) for item in items) // 2))
@@ -193,6 +196,19 @@ def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
         return next((tiling for tiling in tilings if len(tiling) >= least), [[item] for item in items])
     size = max(1, min(stage.bundle, len(items) // least))
     return [items[start : start + size] for start in range(0, len(items), size)]
+
+
+def searches(items: Sequence[WorkItem], most: int) -> list[Bundle]:
+    """Group searches of batches in shards into tasks of at most ``most`` in one shard, about as many in each."""
+    of_shard: dict[Reference, list[WorkItem]] = {}
+    for item in items:
+        of_shard.setdefault(item.sources[1], []).append(item)
+    return [
+        part[start : start + size]
+        for part in of_shard.values()
+        for size in [math.ceil(len(part) / math.ceil(len(part) / most))]
+        for start in range(0, len(part), size)
+    ]
 
 
 def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:

@@ -88,7 +88,8 @@ class Inputs:
         The access raises KeyError when an input is absent, `pipeline.errors.PayloadError` when it is corrupt.
         """
         self._cache.begin(item.stage)
-        is_tiled = BY_NAME[item.stage].tile > 0
+        stage = BY_NAME[item.stage]
+        is_tiled = stage.tile > 0 or stage.searches > 0
         return _LazyInputs(item.sources, lambda source: self._get(source, position, prepare, is_tiled))
 
     def _get(self, source: Reference, position: int, prepare: Prepare, is_tiled: bool) -> Any:

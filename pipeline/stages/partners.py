@@ -35,6 +35,9 @@ MARGIN = 1.2
 """How many times as far from a trunk in the own shard as the last partner a trunk may be to be compared beyond, with
 ``qcrs.mode=approximate``. Ours: .99 of the best partners are found, at the least price."""
 
+TASK = 64
+"""Batches that are searched for in a shard, at most, once it is read, which takes as long as a few searches (ours)."""
+
 TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
 """Types of columns; the others are int32."""
 
@@ -213,6 +216,6 @@ STAGE = Stage(
     scope="block",
     prepare=prepare,
     wanted=searches,
-    tile=8,
+    searches=TASK,
     sub_blocks=SubBlocks(join, columns_are_shapes=False),
 )

@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.partners import ShardPosition, Wanted, find, join, rows_of, search_item
+from pipeline.stages.partners import TASK, ShardPosition, Wanted, find, join, rows_of, search_item
 from pipeline.stages.partners import prepare as stack_or_index
 from pipeline.stages.shards import searches, spans
 from pipeline.stages.stage import Stage, SubBlocks
@@ -123,6 +123,6 @@ STAGE = Stage(
     scope="block",
     prepare=prepare,
     wanted=searches,
-    tile=8,
+    searches=TASK,
     sub_blocks=SubBlocks(join, columns_are_shapes=False),
 )

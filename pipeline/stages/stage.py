@@ -147,6 +147,8 @@ class Stage:
         Most work items in a task. A task should last a second or more; an artifact should be small enough to be reused.
     tile : int
         If not 0, a task is the work between this many inputs and as many others, each read and prepared once.
+    searches : int
+        If not 0, a task is at most so many work items that search one shard, their second input, which is read once.
     sub_blocks : SubBlocks, optional
         Of a stage with scope "block".
     tables : tuple of TableColumns
@@ -167,6 +169,7 @@ class Stage:
     here: bool = False
     bundle: int = 1
     tile: int = 0
+    searches: int = 0
     sub_blocks: SubBlocks | None = None
     tables: tuple[TableColumns, ...] = ()
 

@@ -162,6 +162,17 @@ def test_the_approximate_search_is_measured_against_the_exact_one(tmp_path: Path
 
 
 @pytest.mark.system
+def test_the_stages_that_score_are_measured_in_every_mode(tmp_path: Path) -> None:
+    root, figures = pictures(tmp_path / "pictures", range(6)), tmp_path / "stages.json"
+    done = run("search_stages", "--root", str(root), "--sizes", "6", "--tasks", "1", "--json", str(figures))
+    assert done.returncode == 0, done.stderr
+    costs = {(cost["mode"], cost["stage"]): cost for cost in json.loads(figures.read_text(encoding="utf-8"))}
+    # So few shapes are in one part of the index: there is nothing beyond it.
+    assert {stage for mode, stage in costs if mode == "topk"} == {"shards", "partners"}
+    assert all(cost["shapes"] == 6 and cost["share"] == 1.0 for cost in costs.values())
+
+
+@pytest.mark.system
 def test_starts_are_measured_beside_python_and_numpy(tmp_path: Path) -> None:
     done = run("start", "--processes", "1", "--json", str(tmp_path / "figures.json"))
     assert done.returncode == 0, done.stderr

@@ -154,6 +154,21 @@ def test_a_tile_is_between_so_many_inputs_and_so_many_others() -> None:
     ]
 
 
+def search(batch: int, shard: int) -> WorkItem:
+    sources = (("trunks", str(batch)), ("shards", str(shard)), ("partners", str(batch)))
+    return WorkItem(KeyParts("partners_beyond", {}, (str(batch), str(shard)), {}, {}), (), sources, None, ())
+
+
+@pytest.mark.parametrize(("batches", "shards", "workers"), [(1, 1, 1), (180, 13, 2), (180, 13, 64), (3, 2, 100)])
+def test_searches_read_one_shard_in_a_task_and_keep_workers_busy(batches: int, shards: int, workers: int) -> None:
+    items = [search(batch, shard) for shard in range(shards) for batch in range(batches)]
+    made = bundles(items, workers)
+    assert [one for bundle in made for one in bundle] == items
+    assert all(len({one.sources[1] for one in bundle}) == 1 for bundle in made)
+    assert len(made) >= min(len(items), workers)
+    assert max(len(bundle) for bundle in made) <= 2 * min(len(bundle) for bundle in made)
+
+
 def test_a_worker_refuses_to_write_what_other_code_computes(tmp_path: Path) -> None:
     stale = WorkItem(KeyParts("select", {}, (), {"pipeline.stages.select": "0"}, {}), (), (), None, ())
     (receipt,) = SyncExecutor().run(Store(tmp_path), [[stale]])
