@@ -17,6 +17,7 @@ from . import laplacian as laplacian
 from . import mesh as mesh
 from . import partition as partition
 from . import pinned_paths as pinned_paths
+from . import pinned_stretch as pinned_stretch
 from . import pins as pins
 from . import placed_outline as placed_outline
 from . import plan as plan

@@ -63,17 +63,28 @@ class DissectedPlan:
                 break
         return transform
 
-    def _pinned(self, pins: Pins) -> Transform:
+    def facing(self, side: str) -> tuple[Dissection, FloatArray, str]:
+        """The dissection in which the outline of P or Q (``side``) lives, the trunk around which it lies, its name.
+
+        >>> from riot.construction import alternatives
+        >>> dissected = dissect_plan(alternatives(house, kite)[0], ConstructParameters())
+        >>> dissected.facing("p")[2]
+        'house'
+        """
         plan = self.plan
-        try:
-            lower = pinned_paths(self.lower, plan.trunk_p[::-1], pins.p, plan.pair.p.name or "P")
-        except PinError as error:
-            raise error.on("p") from None
-        try:
-            upper = pinned_paths(self.upper, plan.trunk_q, pins.q, plan.pair.q.name or "Q")
-        except PinError as error:
-            raise error.on("q") from None
-        transform = self._cut(lower, upper)
+        if side == "p":
+            return self.lower, plan.trunk_p[::-1], plan.pair.p.name or "P"
+        return self.upper, plan.trunk_q, plan.pair.q.name or "Q"
+
+    def _pinned(self, pins: Pins) -> Transform:
+        paths = []
+        for side, of_side in (("p", pins.p), ("q", pins.q)):
+            dissection, outer, name = self.facing(side)
+            try:
+                paths.append(pinned_paths(dissection, outer, of_side, name))
+            except PinError as error:
+                raise error.on(side) from None
+        transform = self._cut(*paths)
         if not certify(transform).passed:
             message = f"with these pins the pieces do not unfold ({certify(transform).failure}): move them, or pin less"
             side, crossing = _crossing(transform)

@@ -41,7 +41,7 @@ def pull(
     >>> bool(abs(pins[0].points - ridge - [0.0, 0.02]).sum(axis=1).min() < 0.01)
     True
     """
-    dissection, outer, name = _side(dissected, side)
+    dissection, outer, name = dissected.facing(side)
     outline, _ = _edited(dissection, outer, pins, name)
     position = outline.position(at_point, "the pulled point")
     cell = int(np.searchsorted(outline.starts, position, side="right")) - 1
@@ -74,7 +74,7 @@ def add_line(dissected: DissectedPlan, side: Side, pins: Sequence[Pin], line: Fl
     >>> len(add_line(dissected, "p", pins, pins[0].points[2:-2] * 1.01))  # on the same piece
     1
     """
-    dissection, outer, name = _side(dissected, side)
+    dissection, outer, name = dissected.facing(side)
     outline, sections = _edited(dissection, outer, pins, name)
     drawn = Pin(np.asarray(line, dtype=np.float64), drawn=True)
     arc, section = drawn_section(outline, drawn, f"the line drawn on {name}")
@@ -90,13 +90,6 @@ def add_line(dissected: DissectedPlan, side: Side, pins: Sequence[Pin], line: Fl
     joined = at(arc, lengths, np.concatenate([[start], inside, [stop]]))
     pin = Pin(carried(joined, inner, outside), drawn=True)
     return tuple(pin if k == number else other for k, other in enumerate(pins))
-
-
-def _side(dissected: DissectedPlan, side: Side) -> tuple[Dissection, FloatArray, str]:
-    plan = dissected.plan
-    if side == "p":
-        return dissected.lower, plan.trunk_p[::-1], plan.pair.p.name or "P"
-    return dissected.upper, plan.trunk_q, plan.pair.q.name or "Q"
 
 
 def _edited(

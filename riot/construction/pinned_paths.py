@@ -16,7 +16,6 @@ from riot.construction.tree_match import TreeMatch, match_tree
 from riot.construction.tuning import (
     KEPT_POINT_REACH,
     LEAF_RADIUS,
-    PIN_CHECKS,
     PIN_POSITION_SLACK,
     PIN_TOLERANCE,
     PIN_WEIGHT,
@@ -60,30 +59,32 @@ def _solved_paths(
                 arcs[section.cell] = arc
                 sections[k] = [section]
             else:
-                sections[k] = _kept(outline, pin, label)
+                sections[k] = kept_sections(outline, pin, label)
         except PinError as error:
             raise error.of(k, pin.points) from None
     drawn = any(pin.drawn for _, pin in pins)
     match = match_tree(dissection.tree, arcs, dissection.detail) if drawn else dissection.match
     pull = _pull(match, [section for of_pin in sections.values() for section in of_pin])
     paths = add_detail(dissection.plain_paths, arcs, match, dissection.detail, pull).paths
-    for k, pin in pins:
-        for section in sections[k]:
-            distance = _missed(arcs[section.cell], paths[section.cell], section)
-            if distance > PIN_TOLERANCE:
-                raise PinError(
-                    f"pin {k} of {name} cannot be met (missed by {distance:.2g}, allowed {PIN_TOLERANCE:.2g}): another "
-                    "is across the same cut, or the cut would cross another or leave the trunk; move it, or pin less"
-                ).of(k, pin.points)
+    outline = PlacedOutline(dissection, outer, arcs)
+    for k, _ in pins:
+        missed = [_missed(outline, paths[section.cell], section) for section in sections[k]]
+        distance = max((far for far, _ in missed), default=0.0)
+        if distance > PIN_TOLERANCE:
+            raise PinError(
+                f"pin {k} of {name} cannot be met (missed by {distance:.2g}, allowed {PIN_TOLERANCE:.2g}): another "
+                "is across the same cut, or the cut would cross another or leave the trunk; move it, or pin less",
+                k,
+            ).at(np.concatenate([points for _, points in missed]))
     return paths
 
 
-def _kept(outline: PlacedOutline, pin: Pin, label: str) -> list[PinnedSection]:
+def kept_sections(outline: PlacedOutline, pin: Pin, label: str) -> list[PinnedSection]:
     """The sections of the boundary that a pin keeps."""
     positions = [outline.position(point, label) for point in pin.points]
-    if len(positions) == 1:
-        return outline.split(positions[0] - KEPT_POINT_REACH, positions[0] + KEPT_POINT_REACH)
     start, stop, _ = outline.shorter_way(positions)
+    if start == stop:
+        return outline.split(start - KEPT_POINT_REACH, stop + KEPT_POINT_REACH)
     return outline.split(start, stop)
 
 
@@ -126,21 +127,22 @@ def _pull(match: TreeMatch, sections: Sequence[PinnedSection]) -> Pull:
             side = arc.sides.index(section.cell)
             rows = np.arange(match.offsets[k], match.offsets[k + 1])
             positions = match.positions[side, rows]
-            rows = rows[
-                (positions >= section.start - PIN_POSITION_SLACK) & (positions <= section.stop + PIN_POSITION_SLACK)
-            ]
+            # A section ends between samples: lines between them that are partly in it lead where it does.
+            low, high = np.minimum(positions[:-1], positions[1:]), np.maximum(positions[:-1], positions[1:])
+            lines = (high > section.start + PIN_POSITION_SLACK) & (low < section.stop - PIN_POSITION_SLACK)
+            rows = rows[np.append(lines, False) | np.append(False, lines)]
             total[rows] += match.sides[side, rows]
             count[rows] += 1.0
     wanted = np.divide(total, count[:, None], out=match.targets.copy(), where=count[:, None] > 0.0)
     return Pull(wanted, np.where(count > 0.0, PIN_WEIGHT, 0.0))
 
 
-def _missed(arc: FloatArray, path: FloatArray, section: PinnedSection) -> float:
-    """Greatest distance from a pinned section to the path, `LEAF_RADIUS` off the hinges."""
-    lengths = along(arc)
-    inside = lengths[(lengths > section.start) & (lengths < section.stop)]
-    even = np.linspace(section.start, section.stop, PIN_CHECKS)
-    points = at(arc, lengths, np.sort(np.concatenate([even, inside])))
+def _missed(outline: PlacedOutline, path: FloatArray, section: PinnedSection) -> tuple[float, FloatArray]:
+    """Greatest distance from a pinned section to the path, `LEAF_RADIUS` off the hinges, and where (k, 2) on the
+    outline it is more than allowed."""
+    arc, placed = outline.inner_arcs[section.cell], outline.arcs[section.cell]
+    positions = outline.checks(section)
+    points = at(arc, outline.lengths[section.cell], positions)
     near = np.minimum(np.hypot(*(points - arc[0]).T), np.hypot(*(points - arc[-1]).T)) < LEAF_RADIUS * L_C
-    line = shapely.LineString(path)
-    return float(shapely.distance(shapely.points(points[~near]), line).max(initial=0.0))
+    far = np.where(near, 0.0, shapely.distance(shapely.points(points), shapely.LineString(path)))
+    return float(far.max()), at(placed, outline.lengths[section.cell], positions[far > PIN_TOLERANCE])

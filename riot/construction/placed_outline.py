@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from riot.construction.dissection import Dissection
-from riot.construction.tuning import PIN_REACH
+from riot.construction.tuning import PIN_CHECKS, PIN_REACH
 from riot.errors import PinError
 from riot.kernels.matching import along
 from riot.types import FloatArray
@@ -71,6 +71,12 @@ class PlacedOutline:
                 if high > low:
                     sections.append(PinnedSection(cell, low, high))
         return sections
+
+    def checks(self, section: PinnedSection) -> FloatArray:
+        """(k,) positions along a section's arc at which it is looked at: even ones and its vertices."""
+        lengths = self.lengths[section.cell]
+        inside = lengths[(lengths > section.start) & (lengths < section.stop)]
+        return np.unique(np.concatenate([np.linspace(section.start, section.stop, PIN_CHECKS), inside]))
 
 
 def carried(points: FloatArray, source: FloatArray, target: FloatArray) -> FloatArray:

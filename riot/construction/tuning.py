@@ -183,6 +183,9 @@ PIN_WEIGHT = 1e14
 PIN_POSITION_SLACK = 1e-9
 """Length along an arc: a sample this near to the end of a pinned section belongs to it."""
 
+KEEP_TRIES = 16
+"""Parts of a stretch that are tried, the longest first, until what can be kept of it is known."""
+
 PIN_CHECKS = 33
 """Even points of a pinned section, besides its vertices, at which its distance from the cut is measured."""
 

@@ -106,6 +106,9 @@ class LiveSession:
         """Tell of a transform that was asked for when the clock was at ``started``."""
         milliseconds = round(1e3 * (time.perf_counter() - started), 1)
         await self.tabs.tell(news.TransformNews(seq, draft, milliseconds, answer.cpu, Raw(answer.shown.scene)))
+        missing = answer.shortfall
+        if missing is not None:
+            await self.tabs.tell(news.Problem(seq, draft, missing.words, missing.side, list(missing.where)))
 
     async def plan_motion(self, digest: str) -> None:
         """Have the motion of a transform planned, if it is not."""

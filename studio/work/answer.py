@@ -12,6 +12,7 @@ from msgspec import json
 
 from riot.transform.riot_file import to_json
 from riot.transform.transform import Transform
+from studio.messages import Side
 from studio.scene import scene_of, thumbnail_of
 from studio.session.folder import digest_of
 from studio.session.state import State
@@ -28,13 +29,24 @@ class Made:
 
 
 @dataclass(frozen=True)
+class Shortfall:
+    """What an edit asked for and did not get: where (flat list), on the shape of one side, and why, in words."""
+
+    side: Side
+    where: tuple[float, ...]
+    words: str
+
+
+@dataclass(frozen=True)
 class Answer:
-    """A state, what is shown of it, further transforms that it names, and the CPU milliseconds that it took."""
+    """A state, what is shown of it, further transforms that it names, the CPU milliseconds that it took, and what is
+    not as it was asked for."""
 
     state: State
     shown: Made
     others: tuple[Made, ...] = ()
     cpu: float = 0.0
+    shortfall: Shortfall | None = None
 
 
 def kept(transform: Transform, *, thumbnail: bool = False, worth: float = 0.0) -> Made:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -12,6 +13,7 @@ from msgspec import structs
 from riot.construction.contact import require_plan_cells
 from riot.construction.dissected_plan import dissect_plan
 from riot.construction.drawn_lines import add_line, pull
+from riot.construction.pinned_stretch import PinnedStretch, keep_stretch
 from riot.construction.pins import Pin as GeometryPin
 from riot.construction.plan import ConstructionPlan
 from riot.construction.plan_transform import construct_plan, construct_plans
@@ -38,9 +40,9 @@ from studio.messages import (
     points_of,
 )
 from studio.session.state import Pin, State, StiffRegion
-from studio.work.answer import Answer, draft, kept, timed
+from studio.work.answer import Answer, Shortfall, draft, kept, timed
 from studio.work.bent_plans import draft_bent, exact_bent, unbent
-from studio.work.material import Files, back, dissected, pins_of, side_pins, transform
+from studio.work.material import Files, back, dissected, forth, pins_of, side_pins, transform
 from studio.work.search import bent_soon, found_plans
 
 DIGITS = 9
@@ -48,6 +50,8 @@ DIGITS = 9
 
 GRASP = 0.3
 """A person may be so far off the outline that is meant, in the unit-area frame."""
+
+OTHER_TRUNKS = "Another way to cut may have room for it: see Choose."
 
 Item = TypeVar("Item")
 
@@ -76,8 +80,10 @@ def change(state: State, edit: Edit, files: Files, quick: bool) -> Answer:
             return _pinned(_with_pins(state, base, side, pins, "pull"), files, quick)
         case Keep(side, points):
             there = nearest(points_of(points), (base.p if side == "p" else base.q).points)
-            pins = (*_pins(state, base, side), GeometryPin(there))
-            return _pinned(_with_pins(state, base, side, pins, "keep"), files, quick)
+            kept_stretch = keep_stretch(
+                dissected(files, state.base), side, pins_of(state, base), there, partial(_stored, base, side)
+            )
+            return _stretched(state, base, side, kept_stretch, "keep", files, quick)
         case Unpin(side, index):
             pins = _without(_pins(state, base, side), index, "pin")
             return _pinned(_with_pins(state, base, side, pins, "unpin"), files, quick)
@@ -134,6 +140,24 @@ def _without(items: tuple[Item, ...], index: int, noun: str) -> tuple[Item, ...]
     if index >= len(items):
         raise RequestError(f"there is no {noun} {index}: there are {len(items)}")
     return items[:index] + items[index + 1 :]
+
+
+def _stored(base: Transform, side: Side, points: FloatArray) -> FloatArray:
+    """Points (k, 2) as they are when they come back from a state."""
+    return forth(points_of(tuple(flat_of(back(points, base, side), DIGITS))), base, side)
+
+
+def _stretched(
+    state: State, base: Transform, side: Side, stretch: PinnedStretch, step: str, files: Files, quick: bool
+) -> Answer:
+    """The pieces with the pins of a stretch, and where they do not follow it."""
+    answer = _pinned(
+        _with_pins(state, base, side, stretch.pins.p if side == "p" else stretch.pins.q, step), files, quick
+    )
+    if not stretch.reason:
+        return answer
+    words = f"Not where it is marked: {stretch.reason}. {OTHER_TRUNKS}"
+    return replace(answer, shortfall=Shortfall(side, tuple(flat_of(stretch.lost)), words))
 
 
 def _pinned(state: State, files: Files, quick: bool) -> Answer:

@@ -30,6 +30,9 @@ Value = TypeVar("Value")
 KEPT = 64
 """So many values are kept: a person goes back and forth between a few transforms."""
 
+MADE = ConstructParameters(max_lost_contact=1.0)
+"""A transform that is made lost no more contact than it may; made again it may seem to lose a little more."""
+
 _kept: OrderedDict[Hashable, object] = OrderedDict()
 
 
@@ -59,7 +62,7 @@ def transform(files: Files, digest: str) -> Transform:
 
 def dissected(files: Files, digest: str) -> DissectedPlan:
     """The plan of a transform with both trunks dissected."""
-    return once(("dissected", digest), lambda: dissect_plan(plan_of(transform(files, digest)), ConstructParameters()))
+    return once(("dissected", digest), lambda: dissect_plan(plan_of(transform(files, digest)), MADE))
 
 
 def shape_modes(files: Files, state: State, side: Side) -> Modes:

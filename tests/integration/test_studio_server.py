@@ -236,6 +236,13 @@ def test_shapes_that_must_be_bent_show_a_draft_soon_and_then_the_best(client: Te
         best = tab.until("transform", "problem")
         assert not best["draft"] and best["scene"]["certificate"]["passed"]
         tab.until("motion")
+        outline = best["scene"]["p"]["bent"]
+        kept = tab.edit(kind="keep", side="p", points=outline[: len(outline) // 8 * 2])
+        told = tab.until("problem", seq=tab.seq)
+        assert kept["scene"]["certificate"]["passed"] and told["side"] == "p" and len(told["where"]) >= 2
+        assert "another way to cut" in told["words"].lower() and "trunk" in told["words"]
+        state = next(message for message in reversed(tab.seen) if message["type"] == "session")
+        assert state["undo"] == "keep" and state["pins"]["p"]
 
 
 def test_what_cannot_be_is_told_with_the_place_and_changes_nothing(client: TestClient, session: str) -> None:

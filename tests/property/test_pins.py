@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import itertools
 import json
 from functools import cache
 from unittest import mock
@@ -15,9 +16,11 @@ from blobs import blob
 
 from riot import ConstructionError, FormatError, Shape, construct
 from riot.construction.dissected_plan import DissectedPlan, dissect_plan
+from riot.construction.pinned_stretch import keep_stretch
 from riot.construction.pins import Pin, Pins, draw, keep, load_pins, pins_from_json
 from riot.construction.plan import ConstructionPlan
 from riot.construction.tuning import LEAF_RADIUS, PIN_TOLERANCE
+from riot.errors import PinError
 from riot.parameters import ConstructParameters
 from riot.scores.crs import best_trunk_pairs
 from riot.types import FloatArray
@@ -103,6 +106,43 @@ def test_the_order_of_a_stretch_does_not_matter() -> None:
     run = moved_most()
     first, second = (draft.transform(Pins(p=(keep(points),))) for points in (run[[0, -1]], run[[-1, 0]]))
     assert np.array_equal(first.outline_p(), second.outline_p())
+
+
+@pytest.mark.parametrize("length", [12, 40])
+def test_a_stretch_is_kept_as_far_as_the_trunk_has_room_and_the_rest_is_told(length: int) -> None:
+    draft = blob_draft()
+    shapes = {"p": draft.plan.pair.p, "q": draft.plan.pair.q}
+    whole = partly = 0
+    for side, start in itertools.product("pq", range(0, len(shapes["p"].points), length)):
+        shape = shapes[side]
+        run = shape.points[np.arange(start, start + length) % len(shape.points)]
+        try:
+            stretch = keep_stretch(draft, side, Pins(), run)
+        except PinError as error:
+            assert error.side == side and apart(np.array(error.points), shape.points) < 1e-6
+            continue
+        assert (len(stretch.lost) == 0) == (stretch.reason == "")
+        whole += stretch.reason == ""
+        partly += stretch.reason != ""
+        transform = draft.transform(stretch.pins)
+        assert transform.certificate().passed
+        outline, hinges = getattr(transform, f"outline_{side}")(), getattr(transform, f"trunk_{side}")
+        kept = np.concatenate([pin.points for pin in getattr(stretch.pins, side)])
+        clear = np.hypot(*(kept[:, None] - hinges[None]).transpose(2, 0, 1)).min(axis=1) > LEAF_RADIUS * L_C
+        assert apart(kept[clear], outline) <= PIN_TOLERANCE
+        # Every point that was asked for is kept, or told to be lost.
+        both = shapely.MultiPoint(np.concatenate([kept, stretch.lost]))
+        assert shapely.distance(both, shapely.points(run)).max() < 1e-6
+    assert whole and partly
+
+
+def test_a_pin_of_before_is_not_given_up_for_a_stretch() -> None:
+    draft = blob_draft()
+    first = keep(moved_most())
+    shape = draft.plan.pair.p
+    stretch = keep_stretch(draft, "p", Pins(p=(first,)), shape.points[: len(shape.points) // 3])
+    assert stretch.pins.p[0] is first
+    assert apart(first.points, draft.transform(stretch.pins).outline_p()) <= PIN_TOLERANCE
 
 
 def bump(run: FloatArray, height: float) -> FloatArray:
