@@ -17,7 +17,7 @@ from riot.draw.texture.names import PATTERNS, SIDES
 from riot.errors import FabricationError
 from riot.fabricate import export
 from riot.fabricate.advice import strengthening
-from riot.fabricate.certificate import BuiltPuzzle, FabricationCertificate, build, fix, way_out
+from riot.fabricate.certificate import MENDED, BuiltPuzzle, FabricationCertificate, build, fix, way_out
 from riot.fabricate.export.folder import check_folder
 from riot.fabricate.export.solids import write_puzzle
 from riot.fabricate.plates import check_bed
@@ -118,7 +118,7 @@ def _certified(transform: Transform, parameters: FabricationParameters, mend: bo
         error = FabricationError("uncertified", "; ".join(puzzle.certificate.failures))
     except FabricationError as refusal:
         error = refusal
-    if not mend:
+    if not mend and (error.reason == "uncertified" or error.parameter in MENDED):
         output.note("looks for sizes at which it can be made")
         error = FabricationError(
             error.reason, f"{error}. Way out: {way_out(transform, parameters)}", error.parameter, error.value

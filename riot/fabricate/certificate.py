@@ -1,10 +1,10 @@
 """The certificate of a puzzle that is to be made, and how a puzzle that fails can be mended. Ours.
 
 What it proves: every part is one closed solid that prints without supports; at every hinge the pin is held by what is
-asked for, has its clearance where it turns, and keeps the pieces from being pulled apart; no piece is hardly more than
-its hinges; and all pieces keep the outline gap between them at every moment of the planned motion, at every height, not
-only at sampled poses. Solids
-are cut with each other at some poses besides, which catches errors in how they were made.
+asked for, has its clearance where it turns, and keeps the pieces from being pulled apart; magnets go into their pockets
+and meet face to face; no piece is hardly more than its hinges; and all pieces keep the outline gap between them at
+every moment of the planned motion, at every height, not only at sampled poses. Solids are cut with each other at some
+poses besides, which catches errors in how they were made.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from riot.fabricate.design import design
 from riot.fabricate.hinge_check import check_hinges
 from riot.fabricate.hinge_record import HingeCheck
 from riot.fabricate.in_place import PlacementCheck, check_placement
+from riot.fabricate.magnet_check import MagnetCheck, check_magnets
 from riot.fabricate.model import Design
 from riot.fabricate.motion_check import MotionCheck, check_motion
 from riot.fabricate.part_check import PartCheck, check_part, refuse_large_hinges, thinner_pin
@@ -37,11 +38,12 @@ class FabricationCertificate:
     hinges: tuple[HingeCheck, ...]
     motion: MotionCheck
     placement: PlacementCheck | None = None
+    magnets: tuple[MagnetCheck, ...] = ()
 
     @property
     def failures(self) -> tuple[str, ...]:
         """Messages of the checks that fail: each names the part or hinge, the pose, and the parameter that mends it."""
-        checks = (*self.parts, *self.hinges, self.motion, self.placement)
+        checks = (*self.parts, *self.hinges, *self.magnets, self.motion, self.placement)
         return tuple(words for check in checks if check is not None for words in check.failures)
 
     @property
@@ -76,7 +78,7 @@ class FabricationCertificate:
 
     def words(self) -> list[str]:
         """Describe each hinge and the motion, one line for each."""
-        lines = [check.words for check in self.hinges]
+        lines = [check.words for check in self.hinges] + [check.words for check in self.magnets]
         lines.append(
             f"prints without supports: overhangs up to {self.overhang:.0f}°, "
             f"{f'bridges up to {self.bridge:.1f} mm' if self.bridge else 'no bridges'}"
@@ -104,6 +106,7 @@ def certify(design: Design, parts: tuple[Part, ...] | None = None) -> Fabricatio
         check_hinges(design, parts),
         check_motion(design, parts),
         None if design.placement is None else check_placement(design, parts),
+        check_magnets(design, parts),
     )
 
 

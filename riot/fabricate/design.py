@@ -15,9 +15,11 @@ from riot.errors import FabricationError as FabricationError
 from riot.fabricate.clearance import shaved
 from riot.fabricate.cones import eaves
 from riot.fabricate.layers import make_slabs
-from riot.fabricate.model import Design, HingeEnd, HingePin, Kind, PieceDesign, Role
+from riot.fabricate.magnets import magnet_pockets
+from riot.fabricate.model import Design, HingeEnd, HingePin, Kind, PieceDesign, Role, printed_upside_down
 from riot.fabricate.outlines import corner_angle, make_outline, narrowest
 from riot.fabricate.pivot import Pivot, knuckle_radius, make_pivot
+from riot.fabricate.pocket import Pocket
 from riot.fabricate.printing_pose import printing_pose, refuse_lifts
 from riot.fabricate.rings import Ring
 from riot.fabricate.sub_chains import sub_chains
@@ -71,9 +73,12 @@ def design(transform: Transform, parameters: FabricationParameters | None = None
     bodies = cleared(outlines, ends, chains, transform, parameters.gap_mm, scale)
     lengths = [scale * piece.length for piece in transform.pieces]
     bodies = shaved(bodies, ends, lengths, motion, chains, parameters.gap_mm, scale)
+    pockets: dict[int, tuple[Pocket, ...]] = {}
+    if parameters.magnet_mm:
+        pockets = magnet_pockets(bodies, ends, transform, motion.open_hinge, parameters, scale)
     pieces, warnings = [], []
     for i in range(len(transform)):
-        piece_design = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], parameters)
+        piece_design = _piece(i, lengths[i], outlines[i], bodies[i], ends[i], pockets.get(i, ()), parameters)
         pieces.append(piece_design)
         warnings += _weaknesses(piece_design, raw[i], parameters)
     pins: tuple[HingePin, ...] = ()
@@ -165,6 +170,7 @@ def _piece(
     outline: shapely.Polygon,
     body: shapely.Polygon,
     ends: tuple[HingeEnd, HingeEnd],
+    pockets: tuple[Pocket, ...],
     parameters: FabricationParameters,
 ) -> PieceDesign:
     return PieceDesign(
@@ -173,9 +179,10 @@ def _piece(
         shapely.get_coordinates(shapely.orient_polygons(outline).exterior)[:-1],
         body,
         *ends,
-        make_slabs(index, body, ends, parameters),
+        make_slabs(index, body, ends, pockets, parameters),
         1.0 - float(body.area) / float(outline.area),
-        any(end.role == "upper" and not end.captive for end in ends),
+        printed_upside_down(ends),
+        pockets,
     )
 
 

@@ -9,13 +9,21 @@ import shapely
 from riot.errors import FabricationError
 from riot.fabricate.model import HingeEnd, Slab
 from riot.fabricate.outlines import disc, polygons_by_area, subtract
+from riot.fabricate.pocket import Pocket
 from riot.fabricate.rings import Ring
 from riot.fabricate.tuning import CRUMB_SHARE, DISC_SIDES, GRID_MM, HEIGHT_DIGITS, SIZE_FACTOR, SLIT_REACH_MM
 from riot.parameters import FabricationParameters
 
+Cuts = list[tuple[float, float, shapely.Polygon]]
+"""What is empty, besides, from height to height."""
+
 
 def make_slabs(
-    index: int, body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd], parameters: FabricationParameters
+    index: int,
+    body: shapely.Polygon,
+    ends: tuple[HingeEnd, HingeEnd],
+    pockets: tuple[Pocket, ...],
+    parameters: FabricationParameters,
 ) -> tuple[Slab, ...]:
     """The layers of one piece from the lowest up, crumbs left out.
 
@@ -24,15 +32,19 @@ def make_slabs(
     heights = {0.0, parameters.height}
     for end in ends:
         heights |= {z for ring in (*end.rings, *end.relief) for z in (ring.low, ring.high)}
+    cuts = [(level.low, level.high, pocket.room(level)) for pocket in pockets for level in pocket.levels]
+    heights |= {z for low, high, _ in cuts for z in (low, high)}
     levels = sorted({round(z, HEIGHT_DIGITS) for z in heights})
-    cells = _cells(body, ends)
-    slabs = tuple(Slab(low, high, _section(cells, body, ends, 0.5 * (low + high))) for low, high in pairwise(levels))
+    cells = _cells(body, ends, cuts)
+    slabs = tuple(
+        Slab(low, high, _section(cells, body, ends, cuts, 0.5 * (low + high))) for low, high in pairwise(levels)
+    )
     return _connected(index, slabs, ends, parameters)
 
 
-def _cells(body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd]) -> list[shapely.Polygon]:
+def _cells(body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd], cuts: Cuts) -> list[shapely.Polygon]:
     """The regions between all lines of all levels: so levels share points wherever they share a line."""
-    regions: list[shapely.Polygon] = [body]
+    regions: list[shapely.Polygon] = [body, *(room for _, _, room in cuts)]
     for end in ends:
         regions += [_relief_of(end, ring) for ring in end.relief]
         regions += [_disc_of(end, ring) for ring in end.rings]
@@ -43,7 +55,7 @@ def _cells(body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd]) -> list[shape
 
 
 def _section(
-    cells: list[shapely.Polygon], body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd], height: float
+    cells: list[shapely.Polygon], body: shapely.Polygon, ends: tuple[HingeEnd, HingeEnd], cuts: Cuts, height: float
 ) -> shapely.Geometry:
     """A level cut of a piece."""
     reliefs = [_relief_of(end, ring) for end in ends for ring in end.relief if ring.low < height < ring.high]
@@ -51,6 +63,7 @@ def _section(
     discs = [_disc_of(end, ring) for end, ring in rings]
     empty = [_hole_of(end, ring) for end, ring in rings if ring.hole > 0.0]
     empty += [_slit_of(end, ring) for end, ring in rings if ring.slit > 0.0]
+    empty += [room for low, high, room in cuts if low < height < high]
     solid = []
     for cell in cells:
         point = cell.point_on_surface()

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from riot.fabricate.pivot import Pivot
+from riot.fabricate.pocket import Pocket
 from riot.fabricate.rings import Ring
 from riot.fabricate.telescope import Telescope
 from riot.parameters import FabricationParameters
@@ -99,6 +100,8 @@ class PieceDesign:
         Share of the outline's area that other pieces' knuckles take.
     upside_down : bool
         Whether it is printed lying on its upper face.
+    pockets : tuple of Pocket
+        For magnets, in its walls.
     """
 
     index: int
@@ -110,6 +113,7 @@ class PieceDesign:
     slabs: tuple[Slab, ...]
     lost: float
     upside_down: bool
+    pockets: tuple[Pocket, ...] = ()
 
     @property
     def name(self) -> str:
@@ -214,6 +218,11 @@ class Design:
         """Map (k, 2) points in mm of a piece's frame to where a pose of the transform has them, mm."""
         placed: FloatArray = self.scale * pose.place(piece, np.asarray(points) / self.scale)
         return placed
+
+
+def printed_upside_down(ends: tuple[HingeEnd, HingeEnd]) -> bool:
+    """Whether a piece with such ends is printed lying on its upper face."""
+    return any(end.role == "upper" and not end.captive for end in ends)
 
 
 def filled(region: shapely.Geometry) -> shapely.Geometry:

@@ -159,6 +159,27 @@ TRAY_FLOOR_MM = 1.6
 TRAY_DEPTH_SHARE = 0.6
 """Depth of a recess over the thickness of the puzzle, in whole layers: the rest is there to hold."""
 
+# Magnets in the walls at the open hinge
+
+MAGNETS_MM = (3.0, 4.0, 5.0, 6.0, 8.0)
+"""mm: usual diameters of disc magnets; of these the next smaller one that fits is proposed where one does not."""
+
+MAGNET_FIT_MM = 0.1
+"""mm: a magnet's pocket is so much larger on every side, and deeper: it is pushed in with a drop of glue."""
+
+MAGNET_RECESS_MM = 0.3
+"""mm: where a wall is not straight, a magnet's face may be so much behind its chord: two magnets are no further apart
+than the outline gap and twice this."""
+
+MAGNET_STEP_MM = 0.5
+"""mm: places for magnets are tried in such steps along a wall."""
+
+POCKET_MOUTH_MM = 1.0
+"""mm: the region of a pocket begins so far outside the magnet's face: beyond the wall, and within the next piece."""
+
+SAME_WALL_MM = 0.01
+"""mm: walls of two pieces of a closed shape that are nearer are one; they differ by rounding only."""
+
 # Telescopic hinge
 
 LEDGE_RIM_MM = 0.4

@@ -120,6 +120,18 @@ class FabricationParameters(ParameterGroup):
         meaning="Depth of pictures that are sunk into front and back as bodies of other filaments, 0.6 for "
         "example; 0: none. Rounded to whole layers.",
     )
+    magnet_mm: float = parameter(
+        0.0,
+        at_least=0,
+        at_most=12,
+        unit="mm",
+        source="ours; 3 to 6 are usual",
+        meaning="Diameter of disc magnets, on edge in the walls of the chain's two free ends, that hold either shape "
+        "shut; 0: none.",
+    )
+    magnet_height_mm: float = parameter(
+        2.0, at_least=0.5, at_most=5, unit="mm", source="ours, usual", meaning="Height of these disc magnets."
+    )
     layer_mm: float = parameter(
         0.2,
         at_least=0.1,

@@ -17,6 +17,7 @@ from riot.draw.texture.paint import pattern_texture
 from riot.fabricate import Design, FabricationParameters, design, write_puzzle
 from riot.fabricate.certificate import certify
 from riot.fabricate.export.drawing import drawing_of
+from riot.fabricate.export.stl import stl_bytes
 from riot.fabricate.solid import make_parts
 from riot.groundtruth.pairs import dudeney, exact_pair, exact_transform
 from riot.parameters.fabrication import PIVOTS
@@ -127,6 +128,16 @@ def test_holes_and_pins_are_laid_as_wide_as_designed(puzzle: tuple[Design, Path]
 def test_the_plate_is_sliced_as_a_whole(puzzle: tuple[Design, Path], tmp_path: Path) -> None:
     code = sliced(puzzle[1] / "plate-1.3mf", tmp_path, "--support-material", "--bed-shape", "0x0,220x0,220x220,0x220")
     assert "TYPE:Support" not in code and code.count(";LAYER_CHANGE") >= round(puzzle[0].parameters.height / 0.2)
+
+
+@needs_slicer
+def test_pockets_of_magnets_need_no_support(tmp_path: Path) -> None:
+    puzzle_design = design(exact_transform(dudeney()), FabricationParameters(magnet_mm=4.0))
+    for piece, part in zip(puzzle_design.pieces, make_parts(puzzle_design), strict=False):
+        if piece.pockets:
+            (tmp_path / f"{piece.name}.stl").write_bytes(stl_bytes(part))
+            code = sliced(tmp_path / f"{piece.name}.stl", tmp_path, "--support-material", "--support-material-auto")
+            assert "TYPE:Support" not in code and "TYPE:External perimeter" in code, piece.name
 
 
 @needs_slicer

@@ -40,7 +40,10 @@ def laser_notes(design: Design) -> list[str]:
             "outlines, or choose another pivot"
         ]
     if design.telescope is None:
-        return []
+        slots = (
+            "laser files: pockets of magnets are slots through both layers of a piece: glue magnets in at half height"
+        )
+        return [slots] if design.parameters.magnet_mm else []
     hinges = ", ".join(str(hinge + 1) for hinge in design.motion.lifted)
     return [
         f"laser files: no layers with knuckles, because the hinges before the pieces {hinges} must lift (telescopic "

@@ -104,9 +104,10 @@ def _layers(design: Design) -> list[FlatPart]:
     middles = (lower - 0.5 * layer, upper + 0.5 * layer)
     parts = []
     for piece in design.pieces:
+        slots = shapely.union_all([pocket.room(level) for pocket in piece.pockets for level in pocket.levels])
         for name, middle in zip(LAYERS, middles, strict=True):
             sections = [slab.section for slab in piece.slabs if slab.low <= middle < slab.high]
-            regions = polygons(shapely.union_all(sections))
+            regions = polygons(shapely.difference(shapely.union_all(sections), slots))
             for k, region in enumerate(regions):
                 more = f"-{k + 1}" if len(regions) > 1 else ""
                 engraved = marks(f"{piece.index + 1}{name[0].upper()}", region, _up(design, piece.index))

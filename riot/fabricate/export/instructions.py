@@ -40,8 +40,9 @@ def steps(design: Design) -> list[str]:
     first = motion.open_hinge
     order = [(first + k) % n + 1 for k in range(n)]
     if design.placement is not None:
-        return [*IN_PLACE_STEPS, *_shut(design, order)]
+        return [*IN_PLACE_STEPS, *magnet_steps(design), *_shut(design, order)]
     sentences = [f"Lay the pieces on the table, fronts up, in this order: {', '.join(map(str, order))}."]
+    sentences += magnet_steps(design)
     if design.pins:
         sentences.append(
             "At every pin hinge lay the knuckle of one piece on that of the next. " + PIN_STEPS[design.pins[0].kind]
@@ -53,6 +54,17 @@ def steps(design: Design) -> list[str]:
             "into the sleeve from above, until both snap."
         )
     return sentences + _shut(design, order)
+
+
+def magnet_steps(design: Design) -> list[str]:
+    """What to do with the magnets, if there are any."""
+    pieces = {pocket.pole: piece.index + 1 for piece in design.pieces for pocket in piece.pockets}
+    if not pieces:
+        return []
+    return [
+        "Stack the magnets and mark their upper faces. Glue one into each hole in a wall: marks outside in piece "
+        f"{pieces['north']}, inside in piece {pieces['south']}."
+    ]
 
 
 def _shut(design: Design, order: list[int]) -> list[str]:
@@ -93,11 +105,20 @@ def _option(parameter: re.Match[str]) -> str:
 
 
 def pins_in_words(design: Design) -> str:
-    """How many pins of each kind, and sleeves."""
+    """How many pins of each kind, sleeves and magnets."""
     words = [f"{pin.count} {_NOUNS[pin.kind]} ⌀ {pin.diameter:g} × {pin.length:g} mm" for pin in design.pins]
     if design.sleeves:
         words.append(f"{design.sleeves} sleeve{'s' if design.sleeves > 1 else ''}")
-    return ", ".join(words) or ("hinges printed in place" if design.placement else "no pins")
+    if not words:
+        words.append("hinges printed in place" if design.placement else "no pins")
+    if count := sum(len(piece.pockets) for piece in design.pieces):
+        words.append(f"{count} disc magnets {magnet_size(design)}")
+    return ", ".join(words)
+
+
+def magnet_size(design: Design) -> str:
+    """Diameter and height of the magnets."""
+    return f"⌀ {design.parameters.magnet_mm:g} × {design.parameters.magnet_height_mm:g} mm"
 
 
 def end_in_words(end: HingeEnd) -> str:

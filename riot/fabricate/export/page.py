@@ -11,7 +11,15 @@ import shapely
 
 from riot.draw.palette import hue
 from riot.draw.scene import Mark, Scene
-from riot.fabricate.export.instructions import end_in_words, pins_in_words, shape_names, sizes, steps, warnings
+from riot.fabricate.export.instructions import (
+    end_in_words,
+    magnet_size,
+    pins_in_words,
+    shape_names,
+    sizes,
+    steps,
+    warnings,
+)
 from riot.fabricate.export.paper import region_mark, sheet, text
 from riot.fabricate.export.poses import chain, closed, drawn, fit, frames_of, ratio, size_of
 
@@ -109,6 +117,8 @@ def _lists(design: Design) -> list[list[Mark]]:
     lines += [("row", f"\t{pin.count} × pin\t⌀ {pin.diameter:g} × {pin.length:g} mm\t") for pin in design.pins]
     if design.sleeves:
         lines.append(("row", f"\t{design.sleeves} × sleeve\t\tof telescopic hinges"))
+    if count := sum(len(piece.pockets) for piece in design.pieces):
+        lines.append(("row", f"\t{count} × magnet\t{magnet_size(design)}\tdiscs, in the walls of the free ends"))
     lines += [("gap", ""), ("head", "Steps"), *_numbered(steps(design))]
     lines += [("gap", ""), ("head", "Warnings"), *(_numbered(warnings(design)) or [("text", "none")])]
     lines += [("gap", ""), ("head", "Sizes"), *(("text", line) for line in sizes(design))]

@@ -123,6 +123,11 @@ def parts_document(
         ],
         "pins": [asdict(pin) for pin in design.pins],
         "placement": None if design.placement is None else asdict(design.placement),
+        "magnets": [
+            {"piece": piece.name, "shape": pocket.side, "x": pocket.x, "y": pocket.y, "pole": pocket.pole}
+            for piece in design.pieces
+            for pocket in piece.pockets
+        ],
         "plates": [
             {"file": f"plate-{k + 1}.3mf", "parts": [item.name for item in plate]} for k, plate in enumerate(plates)
         ],
@@ -138,6 +143,7 @@ def parts_document(
             "poses": certificate.motion.poses,
             "hinges": [{**_finites(asdict(check)), "failures": list(check.failures)} for check in certificate.hinges],
             "placement": None if certificate.placement is None else _finites(asdict(certificate.placement)),
+            "magnets": [_finites(asdict(check)) for check in certificate.magnets],
         },
         "warnings": list(design.warnings),
     }

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import shapely
 
 from riot.draw.scene import Bitmap, Mark, Scene, moved
-from riot.fabricate.export.instructions import IN_PLACE_STEPS, PIN_STEPS, pins_in_words, shape_names
+from riot.fabricate.export.instructions import IN_PLACE_STEPS, PIN_STEPS, magnet_steps, pins_in_words, shape_names
 from riot.fabricate.export.joint_picture import joint_view
+from riot.fabricate.export.magnet_picture import magnet_marks
 from riot.fabricate.export.page import HEIGHT, PAGE_MARGIN_MM, WIDTH
 from riot.fabricate.export.paper import Frame, region_mark, sheet, text
 from riot.fabricate.export.poses import chain, closed, drawn, fit, frames_of
@@ -61,13 +62,15 @@ def step_pages(design: Design) -> list[Scene]:
     room = wide, tall - _NUMBER_MM - _WORDS_MM - 8.0
 
     numbers = ", ".join(str(i + 1) for i in order)
+    glued = [(magnet_marks(design, (room[0] - 6.0, room[1])), words) for words in magnet_steps(design)]
     if design.placement is None:
-        steps = [(_whole(design, chain(design), room), f"Lay the pieces in a row, fronts up: {numbers}.")]
+        steps = [(_whole(design, chain(design), room), f"Lay the pieces in a row, fronts up: {numbers}."), *glued]
         steps += [(_joined(design, before, after, room), _words(design, after)) for before, after in pairwise(order)]
     else:
         printed = frames_of(design, design.motion.pose_at(design.placement.time))
         frames = (printed, chain(design))
         steps = [(_whole(design, pose, room), words) for pose, words in zip(frames, IN_PLACE_STEPS, strict=True)]
+        steps += glued
     shut = [_whole(design, closed(design, t), room) for t in (0.0, 1.0)]
     turned = " Turn it over." if design.transform.mirrored_q else ""
     steps.append((shut[0], f"Swing the row shut one way: {names[0]}!"))
