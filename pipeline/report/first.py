@@ -15,15 +15,24 @@ def first_transforms(rows: Sequence[TransformRow]) -> list[TransformRow]:
     """Up to `FIRST` of ``rows`` that can swing, of as many different things as there are.
 
     What is taken next shows the fewest things that are shown already (a thing is a class, or a shape without one);
-    among those it swings flat; and then surprise times margin counts: one thing becomes quite another, and both are
-    recognised. Without these numbers the rank counts. Approximate transforms, which have no motion, are left out.
+    among those it has the fewest of classes that a number names, such as "device3", since nobody can see whether a
+    device 3 looks like one; among those it swings flat; and then surprise times margin counts: one thing becomes quite
+    another, and both are recognised. Without surprise and margin the rank counts. Approximate transforms, which have no
+    motion, are left out.
     """
     waiting = [row for row in rows if row.swing]
     shown: list[TransformRow] = []
     things: set[str] = set()
     while waiting and len(shown) < FIRST:
         best = min(
-            waiting, key=lambda row: (len(_things(row) & things), row.swings_flat is False, -_worth(row), row.rank)
+            waiting,
+            key=lambda row: (
+                len(_things(row) & things),
+                _numbered(row),
+                row.swings_flat is False,
+                -_worth(row),
+                row.rank,
+            ),
         )
         waiting.remove(best)
         shown.append(best)
@@ -33,6 +42,10 @@ def first_transforms(rows: Sequence[TransformRow]) -> list[TransformRow]:
 
 def _things(row: TransformRow) -> set[str]:
     return {row.class_p or row.name_p, row.class_q or row.name_q}
+
+
+def _numbered(row: TransformRow) -> int:
+    return sum(kind[-1:].isdigit() for kind in (row.class_p, row.class_q))
 
 
 def _worth(row: TransformRow) -> float:

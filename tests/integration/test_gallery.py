@@ -152,6 +152,8 @@ def test_the_first_are_of_different_things_and_swing(rows):
     assert first_transforms(paper) == [] == first_transforms([])
     alike = [replace(row, class_p="", class_q="", name_p="a", name_q="b") for row in rows[:9]]
     assert len(first_transforms(alike)) == FIRST  # rather the same things again than an empty place
+    named = [replace(row, class_p="device3", class_q="device7") for row in rated[:20]]
+    assert first_transforms([replace(named[0], class_p="cup", class_q="key"), *named[1:]])[0].rank == named[0].rank
 
 
 def test_pictures_of_a_transform():
