@@ -60,12 +60,20 @@ class Unpin(_Edit, frozen=True):
 
 
 class Stiff(_Edit, frozen=True):
-    """Paint stiffness along a stroke."""
+    """Paint stiffness along a stroke; a factor below 1 makes softer."""
 
     side: Side
     stroke: Flat
     radius: Annotated[float, Meta(gt=0, le=1)] = 0.1
     factor: Annotated[float, Meta(ge=0.001, le=1000)] = 20.0
+
+
+class Erase(_Edit, frozen=True):
+    """Erase painted stiffness along a stroke."""
+
+    side: Side
+    stroke: Flat
+    radius: Annotated[float, Meta(gt=0, le=1)] = 0.1
 
 
 class Unstiff(_Edit, frozen=True):
@@ -106,7 +114,7 @@ class Swap(_Edit, frozen=True):
     """Let the two shapes change places."""
 
 
-Edit = Draw | Pull | Keep | Unpin | Stiff | Unstiff | Corner | Weight | Choose | Pieces | Swap
+Edit = Draw | Pull | Keep | Unpin | Stiff | Erase | Unstiff | Corner | Weight | Choose | Pieces | Swap
 
 
 class _Request(Struct, frozen=True, forbid_unknown_fields=True, tag_field="type", tag=lambda name: name.lower()):

@@ -28,6 +28,7 @@ from studio.messages import (
     Corner,
     Draw,
     Edit,
+    Erase,
     Keep,
     Pull,
     RequestError,
@@ -43,10 +44,8 @@ from studio.session.state import Pin, State, StiffRegion
 from studio.work.answer import Answer, Shortfall, draft, kept, timed
 from studio.work.bent_plans import draft_bent, exact_bent, unbent
 from studio.work.material import Files, back, dissected, forth, pins_of, side_pins, transform
+from studio.work.painting import DIGITS, erased, painted
 from studio.work.search import bent_soon, found_plans
-
-DIGITS = 9
-"""Decimals of pins and regions that are kept: a millionth of a pixel."""
 
 GRASP = 0.3
 """A person may be so far off the outline that is meant, in the unit-area frame."""
@@ -54,9 +53,6 @@ GRASP = 0.3
 OTHER_TRUNKS = "Another way to cut may have room for it: see Choose."
 
 Item = TypeVar("Item")
-
-STROKE_TOLERANCE = 0.01
-"""Douglas–Peucker tolerance of a painted region, in the unit-area frame."""
 
 
 @timed
@@ -97,8 +93,13 @@ def change(state: State, edit: Edit, files: Files, quick: bool) -> Answer:
         case Weight(weight):
             return _bent(structs.replace(state, step="weight", weight=weight), files, quick)
         case Stiff(side, stroke, radius, factor):
-            region = _painted(back(points_of(stroke), base, side), radius, factor)
+            region = painted(back(points_of(stroke), base, side), radius, factor)
             return _stiffened(state, side, (*state.stiff(side), region), files, quick)
+        case Erase(side, stroke, radius):
+            regions = erased(state.stiff(side), back(points_of(stroke), base, side), radius)
+            if regions == state.stiff(side):
+                raise RequestError("nothing is painted there")
+            return _stiffened(state, side, regions, files, quick)
         case Unstiff(side, index):
             return _stiffened(state, side, _without(state.stiff(side), index, "stiff region"), files, quick)
     raise RequestError("this edit needs no transform, and is no change of one")
@@ -231,11 +232,3 @@ def _unbent_answer(state: State, plan: ConstructionPlan, files: Files, quick: bo
 def _stiffened(state: State, side: Side, regions: tuple[StiffRegion, ...], files: Files, quick: bool) -> Answer:
     state = structs.replace(state, step="stiffness", **{f"stiff_{side}": regions})
     return _pinned(state, files, quick) if state.weight is None else _bent(state, files, quick)
-
-
-def _painted(stroke: FloatArray, radius: float, factor: float) -> StiffRegion:
-    """What a brush paints along a stroke."""
-    line = shapely.Point(stroke[0]) if len(stroke) == 1 else shapely.LineString(stroke)
-    region = line.buffer(radius).simplify(STROKE_TOLERANCE)
-    outline: FloatArray = np.asarray(shapely.get_coordinates(region.exterior)[:-1])
-    return StiffRegion(tuple(flat_of(outline, DIGITS)), factor)

@@ -179,6 +179,15 @@ def test_keys_edit_as_the_pointer_does(fresh: Any, files: tuple[Path, Path]) -> 
     for key in ("ArrowRight", "Enter", "ArrowUp", "Escape"):
         page.keyboard.press(key)
     assert page.locator(".mark-line").count() == 0
+    painted = page.locator("#pins li", has_text="softer part of house, 20 times")
+    for tool, size, state in (("Soften", "0.1", "visible"), ("Erase", "0.4", "detached")):
+        page.get_by_label(tool, exact=True).check()
+        page.get_by_label("Brush").fill(size)
+        page.locator(P).focus()
+        for key in ("Enter", "Enter"):
+            page.keyboard.press(key)
+        painted.wait_for(state=state)
+    assert page.locator(f"{P} .mark-stiff").count() == 0
 
 
 def test_what_cannot_be_is_said_where_it_is(fresh: Any, files: tuple[Path, Path]) -> None:

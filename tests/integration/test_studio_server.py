@@ -225,6 +225,27 @@ def test_two_shapes_become_a_transform_that_edits_change_and_undo_brings_back(cl
         assert tab.ask("session", type="redo")["transform"] == kept["scene"]["id"]
 
 
+def test_parts_are_painted_softer_and_erased(client: TestClient, session: str) -> None:
+    with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
+        tab = Tab(socket)
+        before = given(client, session, tab)
+
+        def regions() -> list[dict[str, Any]]:
+            state = next(message for message in reversed(tab.seen) if message["type"] == "session")
+            painted: list[dict[str, Any]] = state["stiff"]["p"]
+            return painted
+
+        across = [-0.4, 0.0, 0.4, 0.0]
+        soft = tab.edit(kind="stiff", side="p", stroke=across, radius=0.1, factor=0.05)
+        assert soft["scene"]["p"]["bent"] != before["p"]["bent"]
+        assert [region["factor"] for region in regions()] == [0.05]
+        assert "nothing is painted" in tab.edit(kind="erase", side="q", stroke=across, radius=0.1)["words"]
+        assert tab.edit(kind="erase", side="p", stroke=[0.0, -0.3, 0.0, 0.3], radius=0.1)["type"] == "transform"
+        assert [region["factor"] for region in regions()] == [0.05, 0.05]
+        assert tab.edit(kind="erase", side="p", stroke=across, radius=0.3)["scene"]["exact"]
+        assert regions() == []
+
+
 def test_shapes_that_must_be_bent_show_a_draft_soon_and_then_the_best(client: TestClient, session: str) -> None:
     with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
         tab = Tab(socket)

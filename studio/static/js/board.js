@@ -134,7 +134,7 @@ export class Board {
     if (line) this.trace.append(svg('path', {class: 'mark-line', d: pathOf(line.length > 2 ? line : [...line, ...line], false)}));
     if (brush) {
       const d = pathOf(brush.line.length > 2 ? brush.line : [...brush.line, ...brush.line], false);
-      this.trace.append(svg('path', {class: 'mark-brush', d, 'stroke-width': 2 * brush.radius}));
+      this.trace.append(svg('path', {class: `mark-brush ${brush.paint}`, d, 'stroke-width': 2 * brush.radius}));
     }
     this.#show();
   }

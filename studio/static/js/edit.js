@@ -115,7 +115,8 @@ function list() {
       items.push(item(`${words} on ${name}`, {kind: 'unpin', side, index}, state.problem?.side === side && state.problem.pin === index));
     }
     for (const [index, {factor}] of (session?.stiff[side] ?? []).entries()) {
-      items.push(item(`${factor < 1 ? 'softer' : 'stiffer'} part of ${name}, ${factor} times`, {kind: 'unstiff', side, index}, false));
+      const words = factor < 1 ? `softer part of ${name}, ${Math.round(1 / factor)} times` : `stiffer part of ${name}, ${factor} times`;
+      items.push(item(words, {kind: 'unstiff', side, index}, false));
     }
   }
   find('#pins').replaceChildren(...(items.length ? items : [html('li', {class: 'note'}, 'Nothing is pinned.')]));

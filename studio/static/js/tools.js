@@ -19,7 +19,7 @@ import {nearestOn, smooth} from './geometry.js';
  * @property {(point: Place) => void} move
  * @property {() => Edit | null} draft what to ask for while it is moved
  * @property {(point: Place) => Edit | 'more' | string | null} end the edit; or words why there is none
- * @property {() => {line?: Flat, brush?: {line: Flat, radius: number}}} preview
+ * @property {() => {line?: Flat, brush?: {line: Flat, radius: number, paint: string}}} preview
  */
 
 /** @typedef {(ground: Ground, point: Place) => Gesture | string} Begin */
@@ -98,9 +98,14 @@ function keep(ground, point) {
   };
 }
 
-/** @type {Begin} */
-function stiff(ground, point) {
-  const stroke = [point.x, point.y], {radius, factor} = ground.options;
+/**
+ * A brush; `edit` says what it does.
+ * @param {string} paint how its trace looks
+ * @param {(options: Record<string, number>) => Edit} edit
+ * @returns {Begin}
+ */
+const brush = (paint, edit) => (ground, point) => {
+  const stroke = [point.x, point.y], {radius} = ground.options;
   const move = (/** @type {Place} */ {x, y}) => {
     if (Math.hypot(x - stroke[stroke.length - 2], y - stroke[stroke.length - 1]) > DENSE) stroke.push(x, y);
   };
@@ -109,11 +114,11 @@ function stiff(ground, point) {
     draft: () => null,
     end(last) {
       move(last);
-      return {kind: 'stiff', side: ground.side, stroke, radius, factor};
+      return {side: ground.side, stroke, radius, ...edit(ground.options)};
     },
-    preview: () => ({brush: {line: stroke, radius}}),
+    preview: () => ({brush: {line: stroke, radius, paint}}),
   };
-}
+};
 
 /** @type {Begin} */
 function corner(ground, point) {
@@ -146,6 +151,9 @@ function corner(ground, point) {
  * @property {{name: string, words: string, least: number, greatest: number, step: number, value: number}[]} options
  */
 
+const BRUSH = {name: 'radius', words: 'Brush', least: 0.03, greatest: 0.4, step: 0.01, value: 0.1};
+const TIMES = {name: 'factor', least: 2, greatest: 100, step: 1, value: 20};
+
 /** @type {Record<string, Tool>} */
 export const TOOLS = {
   pull: {
@@ -161,11 +169,16 @@ export const TOOLS = {
     hint: 'Click a point, or drag along a stretch, that must stay as it is. The other shape gives way.',
   },
   stiff: {
-    label: 'Stiffen', begin: stiff, hint: 'Paint what should bend less: a face, a wheel. It counts when the shapes bend.',
-    options: [
-      {name: 'radius', words: 'Brush', least: 0.03, greatest: 0.4, step: 0.01, value: 0.1},
-      {name: 'factor', words: 'Stiffness', least: 2, greatest: 100, step: 1, value: 20},
-    ],
+    label: 'Stiffen', begin: brush('stiff', ({factor}) => ({kind: 'stiff', factor})), options: [BRUSH, {...TIMES, words: 'Stiffness'}],
+    hint: 'Paint what should bend less: a face, a wheel. It counts when the shapes bend.',
+  },
+  soft: {
+    label: 'Soften', begin: brush('soft', ({factor}) => ({kind: 'stiff', factor: 1 / factor})), options: [BRUSH, {...TIMES, words: 'Softness'}],
+    hint: 'Paint what may bend more: a tail, a leg. The rest then bends less.',
+  },
+  erase: {
+    label: 'Erase', begin: brush('erase', () => ({kind: 'erase'})), options: [BRUSH],
+    hint: 'Wipe over what is painted stiffer or softer: there it bends as before.',
   },
   corner: {
     label: 'Corner', begin: corner, options: [],
