@@ -18,7 +18,7 @@ from riot.fabricate.export.plate_file import plate_bytes
 from riot.fabricate.export.stl import stl_bytes
 from riot.fabricate.plates import lay_out
 
-_STALE = ("bar.stl", "arm-*.stl", "pin.stl", "cap.stl", "plate-*.3mf", "laser-coupon.svg")
+_STALE = ("bar.stl", "arm-*.stl", "joint-*.stl", "pin.stl", "cap.stl", "plate-*.3mf", "laser-coupon.svg")
 
 
 def add_options(parser: Parser) -> None:
@@ -42,14 +42,14 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         for name, content in data.items():
             (temporary / name).write_bytes(content)
     files = [chosen.output / name for name in data]
-    output.show(
-        f"arms: clearances of {_listed(CLEARANCES_MM)} mm; the least that turns freely is your clearance_mm",
-        f"bar: interferences of {_listed(INTERFERENCES_MM)} mm; the least that holds the pin is your press_mm",
-        f"write both into a profile in {own_profiles()}, and use it with --profile",
-    )
-    output.facts(
-        {"clearances_mm": CLEARANCES_MM, "interferences_mm": INTERFERENCES_MM, "files": files}, *map(str, files)
-    )
+    in_place = parameters.pivot == "in-place"
+    interferences = () if in_place else INTERFERENCES_MM
+    arms = "joints: break each free, and turn it; " if in_place else "arms: "
+    output.show(f"{arms}clearances of {_listed(CLEARANCES_MM)} mm; the least that turns freely is your clearance_mm")
+    if interferences:
+        output.show(f"bar: interferences of {_listed(interferences)} mm; the least that holds the pin is your press_mm")
+    output.show(f"write what you find into {own_profiles()}, and use it with profile")
+    output.facts({"clearances_mm": CLEARANCES_MM, "interferences_mm": interferences, "files": files}, *map(str, files))
     return 0
 
 

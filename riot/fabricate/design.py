@@ -13,7 +13,7 @@ import shapely
 
 from riot.errors import FabricationError as FabricationError
 from riot.fabricate.clearance import shaved
-from riot.fabricate.cones import eaves
+from riot.fabricate.joint_end import joint_end
 from riot.fabricate.layers import make_slabs
 from riot.fabricate.magnets import magnet_pockets
 from riot.fabricate.model import Design, HingeEnd, HingePin, Kind, PieceDesign, Role, printed_upside_down
@@ -21,14 +21,12 @@ from riot.fabricate.outlines import corner_angle, make_outline, narrowest
 from riot.fabricate.pivot import Pivot, knuckle_radius, make_pivot
 from riot.fabricate.pocket import Pocket
 from riot.fabricate.printing_pose import printing_pose, refuse_lifts
-from riot.fabricate.rings import Ring
 from riot.fabricate.sub_chains import sub_chains
 from riot.fabricate.sweep import cleared, keep_hinges_apart
 from riot.fabricate.telescope import Telescope, make_telescope
 from riot.fabricate.tuning import (
     LARGE_LOSS_SHARE,
     NARROW_CORNER,
-    OUTLINE_SPARE_MM,
     SAME_CLEARANCE_RATIO,
     STRONG_WALL_MM,
 )
@@ -156,12 +154,7 @@ def _end(
         assert pivot is not None
         (low, high), radius = parameters.levels, pivot.radius
         rings = pivot.lower if role == "lower" else pivot.upper
-    room = radius + parameters.gap_mm + OUTLINE_SPARE_MM
-    if parameters.pivot == "in-place" and role == "upper":
-        relief = eaves(parameters, room)
-        return HingeEnd(hinge, kind, role, x, 0.0, rings, relief, room, relief[0].high)
-    relief = (Ring(low, parameters.height, room) if role == "lower" else Ring(0.0, high, room),)
-    return HingeEnd(hinge, kind, role, x, 0.0, rings, relief, room)
+    return joint_end(kind, role, rings, (low, high), radius, parameters, hinge=hinge, x=x)
 
 
 def _piece(

@@ -11,9 +11,10 @@ import trimesh
 from riot.cli import profiles
 from riot.cli.main import main
 from riot.errors import FormatError, ParameterError
-from riot.fabricate.coupon import CLEARANCES_MM, INTERFERENCES_MM, coupon
+from riot.fabricate.coupon import CLEARANCES_MM, INTERFERENCES_MM, coupon, joint_arms
 from riot.fabricate.overhang import check_supports
-from riot.fabricate.solid import genus
+from riot.fabricate.solid import Part, extruded, genus
+from riot.fabricate.tuning import SLOPE
 from riot.parameters import FabricationParameters
 from riot.parameters.fabrication import PIVOTS
 
@@ -37,6 +38,20 @@ def test_holes_are_as_the_numbers_say() -> None:
         assert arm.name == f"arm-{round(100 * clearance):02d}"
         through = min(_radius(ring) for slab in arm.slabs for ring in _rings(slab.section))
         assert through == pytest.approx(1.5 + clearance, abs=0.01)
+
+
+@pytest.mark.parametrize("clearance", CLEARANCES_MM[::4])
+def test_joints_in_place_have_the_clearance_that_their_numbers_say(clearance: float) -> None:
+    parameters = FabricationParameters(**PIVOTS["in-place"], clearance_mm=clearance)
+    arms = [Part(str(k), "piece", 1, slabs, extruded(slabs)) for k, slabs in enumerate(joint_arms(parameters))]
+    for part in arms:
+        assert len(part.solid.decompose()) == 1 and check_supports(part, parameters.layer_mm).failures == ()
+    socket, pin = (part.solid for part in arms)
+    assert clearance <= socket.min_gap(pin.rotate((0.0, 0.0, 30.0)), 0.7) < clearance + 0.01
+    # Pulled up, down or sideways by the clearance along its slopes and two layers, the pin meets its socket.
+    far = clearance / SLOPE + 2.0 * parameters.layer_mm
+    for way in ((0.0, 0.0, far), (0.0, 0.0, -far), (far, 0.0, 0.0)):
+        assert (socket ^ pin.translate(way)).volume() > 0.0
 
 
 def _rings(section: object) -> list[object]:
@@ -67,6 +82,16 @@ class TestCommand:
         assert main(["coupon", "-o", str(out)]) == 2
         assert main(["coupon", "-o", str(out), "--force"]) == 0
         assert "cap.stl" not in {path.name for path in out.iterdir()}
+
+    def test_writes_joints_in_place(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        out = tmp_path / "out"
+        assert main(["coupon", "-o", str(out), "--pivot", "in-place"]) == 0
+        told = capsys.readouterr().out
+        assert "joints: break each free, and turn it; clearances of 0.15" in told and "interferences" not in told
+        assert "use it with --profile" in told and "----" not in told
+        assert {path.name for path in out.glob("*.stl")} == {f"joint-{k}.stl" for k in (15, 25, 35, 45, 55)}
+        mesh = trimesh.load_mesh(out / "joint-35.stl")
+        assert mesh.is_watertight and mesh.body_count == 2 and mesh.bounds[0][2] == pytest.approx(0.0)
 
     def test_a_profile_that_is_not_there_is_told_with_those_that_are(
         self, tmp_path: Path, capsys: pytest.CaptureFixture[str]
