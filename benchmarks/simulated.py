@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.config.schema import Config
+from pipeline.config.schema import Config, QcrsConfig, QcrsMode
 from pipeline.datasets.collection import Collection, DatasetConfig
 from pipeline.datasets.item import Item
 from pipeline.plan.progress import Progress
@@ -24,6 +24,10 @@ from pipeline.store.artifact import AnyArray, Artifact
 from pipeline.store.store import Store
 
 BLOCKS = ("qcrs", "qcrs_rare")
+SEARCHES = ("partners", "partners_beyond")
+COMPUTED = ("preselect", "pairs", "select")
+"""Stages that run as they are."""
+
 CLASS = 20
 """Shapes of a class."""
 
@@ -40,11 +44,13 @@ class Simulated:
         """See `pipeline.runtime.clusters.executor.Executor`."""
         cache = InputCache()
         for item in (item for bundle in bundles for item in bundle):
-            if item.stage in ("preselect", "select"):
+            if item.stage in COMPUTED:
                 yield from run_items(store, [item], cache)
                 continue
-            arrays = self._rows(item) if item.stage in BLOCKS else self._shapes(item)
-            store.put(item.parts, Artifact(arrays, {"errors": []}), {"seconds": 1.0, "cpu_seconds": 1.0})
+            rows = {**dict.fromkeys(BLOCKS, self._rows), **dict.fromkeys(SEARCHES, self._partners)}
+            arrays = rows.get(item.stage, self._shapes)(item)
+            document = {"errors": [], "compared": item.pairs}
+            store.put(item.parts, Artifact(arrays, document), {"seconds": 1.0, "cpu_seconds": 1.0})
             yield Receipt(item.stage, item.key)
 
     def _shapes(self, item: WorkItem) -> dict[str, AnyArray]:
@@ -65,23 +71,38 @@ class Simulated:
         first, second = random.integers(0, 1400, (2, len(i)), dtype=np.int32)
         return {"i": i, "j": j, "score": score, "n": n, "shift": n, "trunk_i": first, "trunk_j": second}
 
+    def _partners(self, item: WorkItem) -> dict[str, AnyArray]:
+        """As many partners as are wanted of every shape: as many as a search finds where shapes have no order."""
+        shapes, count = len(item.members), self._progress.config.qcrs.k
+        targets = item.pairs // shapes
+        random = np.random.default_rng(int(item.key[:8], 16))
+        i = np.repeat(np.arange(shapes, dtype=np.int32), min(count, targets))
+        j = np.concatenate([random.choice(targets, min(count, targets), replace=False) for _ in range(shapes)])
+        first, second = random.integers(0, 1400, (2, len(i)), dtype=np.int32)
+        n = random.integers(3, 7, len(i), dtype=np.int8)
+        score = random.random(len(i))
+        order = np.lexsort((-score, i))
+        rows: dict[str, AnyArray] = {"i": i, "j": j[order].astype(np.int32), "score": score[order], "n": n, "shift": n}
+        return {**rows, "trunk_i": first, "trunk_j": second, "promising": np.empty((0, 2), np.int32)}
+
 
 def stages(config: Config) -> list[Stage]:
-    """The stages of shapes and blocks, and those that select."""
+    """The stages of shapes and blocks or searches, and those that select."""
+    names = ("shards", *COMPUTED)
     return [
         stage
         for stage in STAGES
-        if stage.wanted(config) and (stage.scope in ("batch", "block", "part") or stage.name == "select")
+        if stage.wanted(config) and (stage.scope in ("batch", "block", "part") or stage.name in names)
     ]
 
 
-def planned(root: Path, shapes: int) -> Progress:
+def planned(root: Path, shapes: int, mode: QcrsMode = "all") -> Progress:
     """The plan of a run up to the selection, as if all of it were done."""
     names = [f"{number:06d}" for number in range(shapes)]
     items = [
         Item(name, f"class-{int(name) // CLASS}", name, hashlib.sha256(name.encode()).hexdigest()) for name in names
     ]
-    config = Config(DatasetConfig(), store=root / "store", outputs=root)
+    config = Config(DatasetConfig(), qcrs=QcrsConfig(mode=mode), store=root / "store", outputs=root)
     progress = begin_run(config, Collection("simulated", tuple(items)), Store(root / "store"))
     for stage in stages(config):
         work = stage.items(progress)

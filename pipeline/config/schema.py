@@ -53,6 +53,9 @@ class ShapeConfig(ShapeParameters):
         return ShapeParameters(**{name: getattr(self, name) for name in names})
 
 
+QcrsMode = Literal["all", "topk", "approximate"]
+
+
 @dataclass(frozen=True)
 class QcrsConfig(ParameterGroup):
     """Quick cross-reversibility score (paper §5.2): its trunks, its sigmas, and which pairs are scored."""
@@ -71,7 +74,7 @@ class QcrsConfig(ParameterGroup):
     sigma_area: float | None = parameter(
         None, above=0, unit="areas", source="paper §5.2", meaning="Width of the area term; null = the variant's own."
     )
-    mode: Literal["all", "topk", "approximate"] = parameter(
+    mode: QcrsMode = parameter(
         "all",
         meaning="all: every pair is scored and tabulated. topk: only those among the k best partners of either shape, "
         "which an index finds. Both are exact. approximate: as topk, for less; about one pair in a hundred is missing.",

@@ -1,4 +1,4 @@
-"""Parts of the work between two batches, or between a batch and a shard: what is halved to find a deadly pair."""
+"""Parts of the work between two batches, or between a query and shards: what is halved to find a deadly pair."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class SubBlock:
     """Some rows and columns of a block of pairs; ``whole`` is the spec of the work item that they are taken from.
 
     Rows and columns are numbered within their sides. Where these are the same, only pairs with row < column count. A
-    search for partners has its shard as a single column.
+    search for partners has its shards as a single column.
 
     >>> list(SubBlock(Sides(1, 0), (0, 3), (0, 3)).pairs())
     [(0, 1), (0, 2), (1, 2)]

@@ -14,7 +14,7 @@ Reference = tuple[str, str]
 
 Pair = tuple[int, int]
 """Positions of two items in the collection, the smaller first; or numbers of two groups of batches, of two spans of
-groups, or of a batch and a shard."""
+groups, or of a query and a target."""
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class WorkItem:
     """A piece of work that makes an artifact.
 
     ``sources`` are the artifacts that it reads; ``spec`` is the third argument of its stage's ``run``. ``members`` are
-    the positions of the collection's items that it concerns: all of a batch, two of a pair, none of a block
-    between groups (`Progress.members` has them). ``block`` numbers the two
-    groups, or the batch and the shard, between which it lies; ``pairs`` is how many pairs of shapes lie there.
+    the positions of the collection's items that it concerns: all of a batch or query, two of a pair, none of a block
+    between groups (`Progress.members` has them). ``block`` numbers the two groups, or the query and the target, between
+    which it lies; ``pairs`` is how many pairs of shapes lie there.
     """
 
     parts: KeyParts

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import SignatureError, StartError, StorageError
-from pipeline.plan.sub_block import Sides
+from pipeline.plan.sub_block import Sides, SubBlock
 from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.clusters import Bundle, Executor, SyncExecutor, open_cluster
 from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
@@ -23,6 +23,7 @@ from pipeline.runtime.stage_kernels import StageKernels
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
 from pipeline.stages.block_rows import ReusingBlock
+from pipeline.stages.partners import Search
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
@@ -188,7 +189,8 @@ def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
         return []
     stage, least = BY_NAME[items[0].stage], TASKS_PER_WORKER * workers
     if stage.searches:
-        return searches(items, max(1, min(stage.searches, len(items) // least)))
+        widest = max(_search(item).batches for item in items)
+        return searches(items, max(1, min(stage.searches // widest, len(items) // least)))
     if stage.tile:
         # Of large groups a tile has few: as many batches on a side as of small ones.
         widest = max(1, stage.tile // max(1, max(len(item.sources) for item in items) // 2))
@@ -199,16 +201,23 @@ def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
 
 
 def searches(items: Sequence[WorkItem], most: int) -> list[Bundle]:
-    """Group searches of batches in shards into tasks of at most ``most`` in one shard, about as many in each."""
-    of_shard: dict[Reference, list[WorkItem]] = {}
+    """Group searches into tasks of at most ``most`` in the same shards, about as many in each."""
+    of_shards: dict[Sequence[Reference], list[WorkItem]] = {}
     for item in items:
-        of_shard.setdefault(item.sources[1], []).append(item)
+        search = _search(item)
+        shards = item.sources[search.batches : search.batches + len(search.shards)]
+        of_shards.setdefault(shards, []).append(item)
     return [
         part[start : start + size]
-        for part in of_shard.values()
+        for part in of_shards.values()
         for size in [math.ceil(len(part) / math.ceil(len(part) / most))]
         for start in range(0, len(part), size)
     ]
+
+
+def _search(item: WorkItem) -> Search:
+    search: Search = item.spec.whole if isinstance(item.spec, SubBlock) else item.spec
+    return search
 
 
 def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:

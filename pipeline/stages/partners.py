@@ -1,4 +1,4 @@
-"""The best partners of every shape of a batch within its own shard, scored as in a run over all pairs (ours).
+"""The best partners of every shape of a query within its own shard, scored as in a run over all pairs (ours).
 
 `partners_beyond` looks into the other shards, only for partners that are as good. With ``qcrs.mode=approximate`` it
 compares there only those trunks of a shape that are near to some trunk here: a twentieth of them gives nearly all of a
@@ -7,8 +7,8 @@ shape's best partners.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.qcrs import COLUMNS, stack_of_batch
-from pipeline.stages.shards import is_shard, searches, spans, unpack
+from pipeline.stages.shards import Query, is_shard, queries, searches, unpack
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact
 from riot import scores
@@ -44,12 +44,24 @@ TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
 
 @dataclass(frozen=True)
 class ShardPosition:
-    """How a batch lies to a shard: ``first`` is the number of its first shape in the shard, −1 if it is not in it;
-    ``after`` says whether it comes after the shard in the collection. ``rank``: what is worse than this partner in the
-    own shard need not be found in this one; 0 stands for the last."""
+    """How a query lies to a shard: ``first`` is the number of its first shape in the shard, −1 if it is not in it;
+    ``after`` says whether it comes after the shard in the collection. The rows number the shard's shapes from ``start``
+    on."""
 
     first: int
     after: bool
+    start: int = 0
+
+
+@dataclass(frozen=True)
+class Search:
+    """What the inputs of a search are: so many ``batches``, whose shapes are the query, and then ``shards``.
+
+    ``rank``: what is worse than this partner in the own shard need not be found in these; 0 stands for the last.
+    """
+
+    batches: int
+    shards: tuple[ShardPosition, ...]
     rank: int = 0
 
 
@@ -58,24 +70,27 @@ def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex:
     return unpack(artifact) if is_shard(artifact) else stack_of_batch(artifact)
 
 
-def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: ShardPosition | SubBlock) -> Artifact:
-    """Stack of a batch and index of a shard → rows (i in the batch, j in the shard), each i's best first.
+def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBlock) -> Artifact:
+    """Stacks of the query's batches and index of its shard → rows, each i's best first.
 
-    A `SubBlock` restricts the rows i. Only scores above 0 count; among equals the earlier j comes first. ``trunk_i``,
-    ``trunk_j`` and ``shift`` belong to the pair with its earlier shape first, in whichever direction it was searched.
-    ``compared`` in the document counts the pairs of which the distance of two trunks was computed. ``promising`` (p, 2)
-    are shapes of the batch and their trunks that are worth comparing in other shards.
+    i numbers the query's shapes, j the shard's. A `SubBlock` restricts the rows i. Only scores above 0 count; among
+    equals the earlier j comes first. ``trunk_i``, ``trunk_j`` and ``shift`` belong to the pair with its earlier shape
+    first, in whichever direction it was searched. ``compared`` in the document counts the pairs of which the distance
+    of two trunks was computed. ``promising`` (p, 2) are shapes of the query and their trunks that are worth comparing
+    in other shards.
     """
     settings, count, mode = parameters
-    query, index = inputs
-    position, rows = rows_of(spec, query)
+    search, stacks, rows = query_of(inputs, spec)
     wanted = Wanted(count, settings, MARGIN if mode == "approximate" else 1.0)
-    return find(query, index, wanted, position, rows, np.zeros(len(query)))
+    least = np.zeros(sum(map(len, stacks)))
+    return find_all(stacks, inputs[search.batches], wanted, search.shards[0], rows, least)
 
 
-def rows_of(spec: ShardPosition | SubBlock, query: TrunkStack) -> tuple[ShardPosition, range]:
-    """The position of a batch, and which of its shapes are searched for."""
-    return (spec.whole, range(*spec.rows)) if isinstance(spec, SubBlock) else (spec, range(len(query)))
+def query_of(inputs: Sequence[Any], spec: Search | SubBlock) -> tuple[Search, list[TrunkStack], range]:
+    """What a work item searches, the stacks of its query, and which of the query's shapes are searched for."""
+    search = spec.whole if isinstance(spec, SubBlock) else spec
+    stacks = list(inputs[: search.batches])
+    return search, stacks, range(*spec.rows) if isinstance(spec, SubBlock) else range(sum(map(len, stacks)))
 
 
 @dataclass(frozen=True)
@@ -87,17 +102,48 @@ class Wanted:
     margin: float = 1.0
 
 
-def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock]) -> Artifact:
-    """The artifact of a batch from those of its sub-blocks, in any order; ``lost`` sub-blocks have no rows."""
+def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock] = ()) -> Artifact:
+    """The artifact of a query from those of some of its shapes each, in any order; ``lost`` shapes have no rows."""
     empty = {name: np.empty(0, TYPES.get(name, np.int32)) for name in COLUMNS}
     pieces = [{**empty, "promising": np.empty((0, 2), np.int32)}, *(artifact.arrays for artifact in artifacts)]
     rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in pieces[0]}
-    order = np.argsort(rows["i"], kind="stable")  # all rows of an i are in one sub-block, the best first
+    order = np.argsort(rows["i"], kind="stable")  # all rows of an i are in one artifact, the best first
     promising = rows.pop("promising")
     compared = sum(int(artifact.document["compared"]) for artifact in artifacts)
     columns = {name: column[order] for name, column in rows.items()}
     in_order = promising[np.argsort(promising[:, 0], kind="stable")]
     return Artifact({**columns, "promising": in_order}, {"compared": compared})
+
+
+def find_all(
+    stacks: Sequence[TrunkStack],
+    index: TrunkIndex,
+    wanted: Wanted,
+    position: ShardPosition,
+    rows: range,
+    least: FloatArray,
+    few: Mapping[int, IntArray] | None = None,
+) -> Artifact:
+    """`find` of a query of several batches: ``rows``, ``least`` and ``few`` number its shapes through all of them."""
+    found = []
+    for stack, start in _with_starts(stacks):
+        here = range(max(rows.start - start, 0), min(rows.stop - start, len(stack)))
+        if len(here) == 0:
+            continue
+        place = replace(position, first=position.first + start) if position.first >= 0 else position
+        some = None if few is None else {k - start: trunks for k, trunks in few.items() if 0 <= k - start < len(stack)}
+        artifact = find(stack, index, wanted, place, here, least[start : start + len(stack)], some)
+        shift = {"i": artifact.arrays["i"] + np.int32(start), "promising": artifact.arrays["promising"] + [start, 0]}
+        shift["promising"] = shift["promising"].astype(np.int32)
+        found.append(Artifact({**artifact.arrays, **shift}, artifact.document))
+    return join(found)
+
+
+def _with_starts(stacks: Sequence[TrunkStack]) -> Iterator[tuple[TrunkStack, int]]:
+    start = 0
+    for stack in stacks:
+        yield stack, start
+        start += len(stack)
 
 
 def find(
@@ -109,8 +155,8 @@ def find(
     least: FloatArray,
     few: Mapping[int, IntArray] | None = None,
 ) -> Artifact:
-    """The rows that `run` returns, of the shapes ``rows``; a shape's that score below its ``least`` (batch,) may be
-    missing.
+    """The rows that `run` returns, of the shapes ``rows`` of a batch; a shape's that score below its ``least`` (batch,)
+    may be missing.
 
     Of the shapes in ``few`` only those trunks are compared; their partners are scored by all trunks, as any others.
     """
@@ -127,13 +173,18 @@ def find(
     _score_again(query, index, columns, np.flatnonzero(earlier), wanted.settings, shard_first=True)
     if few is not None:
         _score_again(query, index, columns, np.flatnonzero(~earlier), wanted.settings, shard_first=False)
-    order = np.lexsort((columns["j"], -columns["score"], i))
-    rank = np.arange(len(i)) - np.searchsorted(i, i)  # i ascends, before and after
-    order = order[(rank < wanted.count) & (columns["score"][order] > 0)]
-    best = {name: columns[name][order].astype(TYPES.get(name, np.int32)) for name in COLUMNS}
+    best = best_rows(columns, wanted.count)
     promising = [np.column_stack([np.full(len(p), k), p]) for k, p in zip(rows, _promising(partners), strict=True)]
     trunks = np.concatenate([np.empty((0, 2), np.int32), *promising]).astype(np.int32)
     return Artifact({**best, "promising": trunks}, {"compared": sum(nearest.compared for nearest in partners)})
+
+
+def best_rows(columns: Mapping[str, Any], count: int) -> dict[str, Any]:
+    """The ``count`` best rows of each i that score above 0, best first, and among equals by j."""
+    order = np.lexsort((columns["j"], -columns["score"], columns["i"]))
+    i = columns["i"][order]
+    order = order[(np.arange(len(i)) - np.searchsorted(i, i) < count) & (columns["score"][order] > 0)]
+    return {name: columns[name][order].astype(TYPES.get(name, np.int32)) for name in COLUMNS}
 
 
 def _trunks_of(query: TrunkStack, i: int, few: Mapping[int, IntArray]) -> TrunkStack:
@@ -180,35 +231,44 @@ def _score_again(
 
 
 def items(progress: Progress) -> list[WorkItem]:
-    """A work item for each batch, in its own shard."""
+    """A work item for each query, in its own shard."""
     work = []
-    for s, (shard, span) in enumerate(zip(progress.work["shards"], spans(progress), strict=True)):
-        for b in span:
-            position = ShardPosition(progress.batches[b].start - shard.members[0], False)
-            work.append(search_item(progress, "partners", (b, s), position))
+    for number, query in enumerate(queries(progress)):
+        first = query.members[0] - progress.work["shards"][query.shard].members[0]
+        search = Search(len(query.batches), (ShardPosition(first, False),))
+        work.append(search_item(progress, "partners", (number, query.shard), query, search, [query.shard]))
     return work
 
 
 def search_item(
-    progress: Progress, stage: str, block: tuple[int, int], position: ShardPosition, *more: WorkItem
+    progress: Progress,
+    stage: str,
+    block: tuple[int, int],
+    query: Query,
+    search: Search,
+    shards: Sequence[int],
+    *more: WorkItem,
 ) -> WorkItem:
-    """The work item that searches shard ``block[1]`` for partners of batch ``block[0]``, and reads ``more``."""
+    """The work item of a search in ``shards``, which reads ``more``; ``block`` numbers the query and the target."""
     recipe = progress.recipes[stage]
-    batch, shard = progress.work["trunks"][block[0]], progress.work["shards"][block[1]]
-    sources = [batch, shard, *more]
+    batches, searched = (
+        [progress.work["trunks"][b] for b in query.batches],
+        [progress.work["shards"][s] for s in shards],
+    )
+    sources = [*batches, *searched, *more]
     return recipe.item(
-        recipe.parts([source.key for source in sources], position),
+        recipe.parts([source.key for source in sources], search),
         [source.reference for source in sources],
-        spec=position,
-        members=batch.members,
+        spec=search,
+        members=query.members,
         block=block,
-        pairs=len(batch.members) * len(shard.members),
+        pairs=len(query.members) * sum(len(item.members) for item in searched),
     )
 
 
 STAGE = Stage(
     name="partners",
-    unit="searches of batches in parts",
+    unit="searches in parts",
     after=("shards",),
     parameters=("qcrs", "qcrs.k", "qcrs.mode"),
     items=items,

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from pipeline.config.schema import Config
-from pipeline.plan.batches import cut
+from pipeline.plan.batches import SPREAD, batches_in_a_group, cut
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.qcrs import stack_of_batch
@@ -20,8 +21,24 @@ if TYPE_CHECKING:
     from riot.scores.trunk_stack import TrunkStack
 
 SHAPES_PER_SHARD = 640
-"""Mean number of shapes in a shard, at most twice as many: what a worker holds at once, about 0.4 MB a shape while it
-is read. Fewer take longer to search; more would grow with the collection (measured on MPEG-7, ours)."""
+"""Mean number of shapes in a shard, at most half as many more: what a worker holds at once, about 0.4 MB a shape while
+it is read. Fewer take longer to search; more would grow with the collection (measured on MPEG-7, ours)."""
+
+TARGETS = 64
+"""Most targets, about, into which a collection is divided, so that searches grow with its shapes (ours)."""
+
+SHARDS_JOINED = 4
+"""Mean number of neighbouring shards of a target, and again of each such run, where there are more (ours)."""
+
+
+@dataclass(frozen=True)
+class Query:
+    """Shapes whose partners are searched for at once: ``members`` are their positions, ``batches`` the numbers of their
+    batches, which are neighbours in the shard of this number."""
+
+    shard: int
+    batches: Sequence[int]
+    members: tuple[int, ...]
 
 
 def run(inputs: Sequence[TrunkStack], parameters: Sequence[Any], spec: None) -> Artifact:
@@ -48,11 +65,47 @@ def spans(progress: Progress) -> list[Sequence[int]]:
     breaks = [index for index in range(1, len(present)) if present[index] != present[index - 1] + 1]
     ranges: list[Sequence[int]] = []
     for low, high in pairwise([0, *breaks, len(present)]):
-        # By the pictures, not by the keys: an edit of code or of a parameter leaves the spans as they are.
-        contents = ["".join(progress.work["ingest"][number].parts.inputs) for number in present[low:high]]
-        cuts = cut(contents, max(1, SHAPES_PER_SHARD // progress.config.batch))
+        contents = [_content(progress, [number]) for number in present[low:high]]
+        cuts = cut(contents, max(1, SHAPES_PER_SHARD // progress.config.batch), SPREAD)
         ranges += [present[low + span.start : low + span.stop] for span in cuts]
     return ranges
+
+
+def _content(progress: Progress, batches: Sequence[int]) -> str:
+    # By the pictures, not by the keys: an edit of code or of a parameter leaves the spans as they are.
+    return "".join(digest for number in batches for digest in progress.work["ingest"][number].parts.inputs)
+
+
+def queries(progress: Progress) -> list[Query]:
+    """All queries, in order: each shard divided evenly into as many batches as a group has."""
+    mean = batches_in_a_group(len(progress.batches), progress.config.batch)
+    found = []
+    for number, span in enumerate(spans(progress)):
+        parts = max(1, round(len(span) / mean))
+        cuts = [len(span) * part // parts for part in range(parts + 1)]
+        for batches in (span[low:high] for low, high in pairwise(cuts)):
+            positions = range(progress.batches[batches[0]].start, progress.batches[batches[-1]].stop)
+            found.append(Query(number, batches, tuple(positions)))
+    return found
+
+
+def targets(progress: Progress) -> list[range]:
+    """Numbers of the neighbouring shards that are searched one after the other; each its own in a small collection.
+
+    A shard that failed is by itself, and none lies between others: a target's shapes are neighbours.
+    """
+    of_batches, shards = spans(progress), progress.work["shards"]
+    mean = 1
+    while len(of_batches) > TARGETS * mean:
+        mean *= SHARDS_JOINED
+    apart = [number for number, item in enumerate(shards) if item.reference not in progress.done]
+    gaps = [number for number in range(1, len(of_batches)) if of_batches[number][0] != of_batches[number - 1][-1] + 1]
+    breaks = sorted({0, len(of_batches), *gaps, *apart, *(number + 1 for number in apart)})
+    found = []
+    for low, high in pairwise(breaks):
+        cuts = cut([_content(progress, of_batches[number]) for number in range(low, high)], mean, SPREAD)
+        found += [range(low + part.start, low + part.stop) for part in cuts]
+    return found
 
 
 def items(progress: Progress) -> list[WorkItem]:

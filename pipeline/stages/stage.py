@@ -16,7 +16,7 @@ from pipeline.store.artifact import AnyArray, Artifact
 from pipeline.store.keys import canonical_value
 
 Scope = Literal["batch", "block", "part", "collection", "shape", "pair"]
-"""The extent of a work item: a batch of shapes, the pairs between two groups of batches (or a batch and a shard), a
+"""The extent of a work item: a batch of shapes, the pairs between two groups of batches (or a query and shards), a
 part of all pairs, the whole collection, a shape, or a pair."""
 
 COUNTED: Mapping[Scope, str] = {
@@ -73,7 +73,7 @@ class SubBlocks:
     """How the work of a block is divided, to find the pairs of it that hang or kill a worker.
 
     ``join`` makes the block's artifact from those of its sub-blocks, except the lost ones. With ``columns_are_shapes``
-    a block lies between two groups of batches; else between a batch and a shard, which counts as a single column.
+    a block lies between two groups of batches; else between a query and shards, which count as a single column.
     """
 
     join: Callable[[Sequence[Artifact], Sequence[SubBlock]], Artifact]
@@ -93,16 +93,12 @@ class SubBlocks:
         return sorted(members)
 
     def _positions(self, progress: Progress, item: WorkItem) -> tuple[range, range]:
-        """Positions of the shapes of a block's rows and columns; a shard counts as one column."""
-        a, b = _block(item)
-        if self.columns_are_shapes:
-            return progress.of_group(a), progress.of_group(b)
-        return progress.batches[a], range(1)
-
-
-def _block(item: WorkItem) -> tuple[int, int]:
-    assert item.block is not None, "a stage of blocks gives each work item its block"
-    return item.block
+        """Positions of the shapes of a block's rows and columns; shards count as one column."""
+        if not self.columns_are_shapes:
+            return range(item.members[0], item.members[-1] + 1), range(1)
+        assert item.block is not None, "a stage of blocks gives each work item its block"
+        a, b = item.block
+        return progress.of_group(a), progress.of_group(b)
 
 
 def _as_it_is(artifact: Artifact) -> Any:
@@ -148,7 +144,7 @@ class Stage:
     tile : int
         If not 0, a task is the work between this many inputs and as many others, each read and prepared once.
     searches : int
-        If not 0, a task is at most so many work items that search one shard, their second input, which is read once.
+        If not 0, a task is work items that search the same shards, each read once, for so many batches at most.
     sub_blocks : SubBlocks, optional
         Of a stage with scope "block".
     tables : tuple of TableColumns

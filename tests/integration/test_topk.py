@@ -19,11 +19,15 @@ import pipeline.stages.partners_beyond
 import pipeline.stages.shards
 from pipeline.config.build import make_config
 from pipeline.config.schema import Config
+from pipeline.datasets.collection import Collection
+from pipeline.datasets.item import Item
 from pipeline.errors import ConfigError
 from pipeline.flow import run_pipeline
 from pipeline.plan.progress import Progress
 from pipeline.runtime.events import Event, StageEnded
 from pipeline.stages.all import BY_NAME
+from pipeline.stages.partners import ShardPosition
+from pipeline.store.keys import digest_text
 from pipeline.tables.partner_search import PartnerSearch, read_search
 
 SHAPES = 23
@@ -115,6 +119,37 @@ def test_the_pairs_are_the_best_of_all(
     assert len(kept.table) <= kept.search.compared <= 2 * kept.search.pairs == shapes * (shapes - 1)
 
 
+def test_the_pairs_are_the_same_however_many_shards_are_searched_in_a_row(
+    root: Path, store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", 4)
+    qcrs = {"mode": "topk", "k": 1}
+    one = mine(configure(root, tmp_path / "one", store, qcrs=qcrs))
+    monkeypatch.setattr(pipeline.stages.shards, "TARGETS", 3)
+    several = mine(configure(root, tmp_path / "several", store, qcrs=qcrs))
+    searches = [mined.stages["partners_beyond"].total for mined in (one, several)]
+    assert searches[1] < 0.7 * searches[0]
+    pd.testing.assert_frame_equal(several.table, one.table, check_exact=True)
+    assert one.search is not None and several.search is not None
+    assert several.search.compared <= one.search.compared
+
+
+def test_searches_grow_with_the_shapes(tmp_path: Path) -> None:
+    names = [f"{number:06d}" for number in range(60_000)]
+    items = tuple(Item(name, "", name, digest_text(name)) for name in names)
+    config = configure(tmp_path, tmp_path, tmp_path, qcrs={"mode": "topk"}, batch=32)
+    counts = []
+    for shapes in (15_000, 60_000):
+        plan = planned_run(config, "pairs", Collection("many", items[:shapes]))
+        pairs = 0
+        for item in (*plan.work["partners"], *plan.work["partners_beyond"]):
+            assert item.block is not None
+            pairs += item.pairs
+        assert pairs == shapes**2
+        counts.append(len(plan.work["partners"]) + len(plan.work["partners_beyond"]))
+    assert counts[1] < 8 * counts[0]
+
+
 @pytest.mark.parametrize("policy", ["global", "paper"])
 def test_with_enough_partners_the_selection_is_that_of_all_pairs(
     policy: str, root: Path, store: Path, tmp_path: Path
@@ -171,12 +206,10 @@ def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monke
     searches = [*left.work["partners"], *left.work["partners_beyond"]]
     assert len(searches) == len(shards) * sum(len(shard.sources) for shard in shards)
     for item in searches:
-        assert item.block is not None
-        batch, number = item.block
-        start, members_of = whole.batches[batch].start, shards[number].members
+        assert item.block is not None and lost.reference not in item.sources
+        (start, *_), members_of = item.members, shards[item.block[1]].members
         inside = members_of.index(start) if start in members_of else -1
-        assert (item.spec.first, item.spec.after) == (inside, start > members_of[-1])
-        assert lost.reference not in item.sources
+        assert item.spec.shards == (ShardPosition(inside, start > members_of[-1], 0),)
     ((collected,), (select,)) = left.work["pairs"], BY_NAME["select"].items(left)
     assert select.sources[0] == collected.reference
 
@@ -204,7 +237,7 @@ def test_how_good_partners_elsewhere_must_be_depends_on_the_share_of_the_own_sha
     exact = planned(root, tmp_path, "partners_beyond", mode="topk", k=40)
     assert {item.spec.rank for item in exact.work["partners_beyond"]} == {0}
     plan = planned(root, tmp_path, "partners_beyond", mode="approximate", k=40)
-    sizes = {number: len(shard.members) for shard in plan.work["shards"] for number in shard.members}
+    sizes = {position: len(shard.members) for shard in plan.work["shards"] for position in shard.members}
     for item in plan.work["partners_beyond"]:
         assert item.spec.rank == math.ceil(40 * sizes[item.members[0]] / len(plan.items)) < 40
 

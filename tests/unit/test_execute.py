@@ -23,6 +23,7 @@ from pipeline.runtime.execute import Run, bundles, tiles
 from pipeline.runtime.retries import MACHINE_TRIES, WORKER_TRIES
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
+from pipeline.stages.partners import Search, ShardPosition
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, State, Store
@@ -156,7 +157,8 @@ def test_a_tile_is_between_so_many_inputs_and_so_many_others() -> None:
 
 def search(batch: int, shard: int) -> WorkItem:
     sources = (("trunks", str(batch)), ("shards", str(shard)), ("partners", str(batch)))
-    return WorkItem(KeyParts("partners_beyond", {}, (str(batch), str(shard)), {}, {}), (), sources, None, ())
+    parts = KeyParts("partners_beyond", {}, (str(batch), str(shard)), {}, {})
+    return WorkItem(parts, (), sources, Search(1, (ShardPosition(-1, False),)), ())
 
 
 @pytest.mark.parametrize(("batches", "shards", "workers"), [(1, 1, 1), (180, 13, 2), (180, 13, 64), (3, 2, 100)])
