@@ -35,13 +35,15 @@ from pipeline.runtime.execute import bundles
 from pipeline.runtime.inputs import InputCache
 from pipeline.runtime.worker import run_items
 from pipeline.stages.all import BY_NAME, begin_run
-from pipeline.stages.shards import SHAPES_PER_SHARD
 from pipeline.stages.trunk_arrays import pack_trunks
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import Store
-from riot.kernels.warm import warm_all
+from riot.kernels import leaves, search
 from riot.scores.trunk_stack import TrunkStack
 from riot.scores.trunks import Trunks
+
+PART = 640
+"""Shapes of a file of grown shapes."""
 
 WORKERS = 2
 """Tasks are as large as for so many workers."""
@@ -80,9 +82,13 @@ class Shapes:
 
     def batch(self, members: Sequence[int]) -> Artifact:
         """What the stage ``trunks`` writes of some shapes."""
-        trunks, leaves = zip(*map(self._shape, members), strict=True)
-        offsets = np.cumsum([0, *map(len, leaves)], dtype=np.int64)
-        arrays = {"leaves": np.concatenate(leaves), "leaf_offsets": offsets, "sparse": np.zeros(len(members), np.int64)}
+        trunks, grouped = zip(*map(self._shape, members), strict=True)
+        offsets = np.cumsum([0, *map(len, grouped)], dtype=np.int64)
+        arrays = {
+            "leaves": np.concatenate(grouped),
+            "leaf_offsets": offsets,
+            "sparse": np.zeros(len(members), np.int64),
+        }
         return Artifact({**pack_trunks(trunks), **arrays}, {"errors": []})
 
     def _shape(self, number: int) -> tuple[Trunks, np.ndarray]:
@@ -189,13 +195,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", type=Path, help="write the figures to this file too")
     chosen = parser.parse_args(arguments)
     sizes = sorted(int(text) for text in chosen.sizes.split(","))
-    warm_all(lambda line: print(line, file=sys.stderr))
+    leaves.warm()
+    search.warm()
     costs: list[StageCost] = []
     with tempfile.TemporaryDirectory() as folder:
         parts = chosen.parts or Path(folder)
-        files = grow_parts(pictures(chosen.root), sizes[-1], chosen.amplitude, SHAPES_PER_SHARD, parts)
+        files = grow_parts(pictures(chosen.root), sizes[-1], chosen.amplitude, PART, parts)
         for size in sizes:
-            kept = files[: max(1, round(size / SHAPES_PER_SHARD))]
+            kept = files[: max(1, round(size / PART))]
             of_size = measure(kept, chosen.modes.split(","), chosen.tasks, Path(folder) / "store")
             print("  ".join(f"{mode} {ratio:.3f}" for mode, ratio in ratios(of_size).items()), flush=True)
             costs += of_size

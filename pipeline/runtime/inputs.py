@@ -54,13 +54,14 @@ class InputCache:
             return entry[0]
 
     def keep(self, source: Reference, prepared: Any, size: int, next_use: Callable[[Reference], float]) -> None:
-        """Keep an input. When it does not fit, drop the inputs whose next use is last, of equal ones the oldest."""
+        """Keep an input. When it does not fit, drop others: first the inputs whose next use is last, of equal ones the
+        oldest. The last one stays, whatever its size."""
         with self._lock:
             if source in self._entries:
                 return
             self._entries[source] = prepared, size
             self._size += size
-            while self._size > self._limit:
+            while self._size > self._limit and len(self._entries) > 1:
                 last = max(self._entries, key=next_use)
                 self._size -= self._entries.pop(last)[1]
 

@@ -73,11 +73,11 @@ def test_another_stage_empties_the_cache(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("limit", [0, SIZE, 2 * SIZE, 4 * SIZE])
-def test_the_limit_is_never_exceeded_and_results_are_the_same(limit: int, tmp_path: Path) -> None:
+def test_the_limit_is_exceeded_by_a_single_input_alone_and_results_are_the_same(limit: int, tmp_path: Path) -> None:
     counting, cache = Counting(tmp_path, 6), InputCache(limit)
     counting.work(cache, TRIANGLE)
     in_cache = [source for source in counting.sources if cache.get(source) is not None]
-    assert SIZE * len(in_cache) == cache.size <= limit
+    assert SIZE * len(in_cache) == cache.size <= max(limit, SIZE)
 
 
 def test_of_inputs_that_do_not_fit_the_one_used_last_goes(tmp_path: Path) -> None:
@@ -95,3 +95,9 @@ def test_inputs_are_read_when_asked_for_and_damage_shows_there(tmp_path: Path) -
     assert len(asked) == 2 and asked[0] == 0.0 and list(asked[:1]) == [0.0]
     with pytest.raises(PayloadError):
         asked[1]
+
+
+def test_an_input_that_is_larger_than_the_cache_is_kept_while_it_is_used_next(tmp_path: Path) -> None:
+    counting, cache = Counting(tmp_path, 6), InputCache(SIZE // 2)
+    counting.work(cache, [(0, other) for other in range(1, 6)])
+    assert counting.made[0.0] == 1 and cache.size == SIZE
