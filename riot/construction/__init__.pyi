@@ -14,6 +14,7 @@ from . import drawn_lines as drawn_lines
 from . import given_trunks as given_trunks
 from . import junctions as junctions
 from . import laplacian as laplacian
+from . import line_over_hinges as line_over_hinges
 from . import mesh as mesh
 from . import partition as partition
 from . import pinned_paths as pinned_paths

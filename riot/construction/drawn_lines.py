@@ -42,7 +42,7 @@ def pull(
     True
     """
     dissection, outer, name = dissected.facing(side)
-    outline, _ = _edited(dissection, outer, pins, name)
+    outline = edited_outline(dissection, outer, pins, name)
     position = outline.position(at_point, "the pulled point")
     cell = int(np.searchsorted(outline.starts, position, side="right")) - 1
     cell = min(cell, len(outline.arcs) - 1)
@@ -90,6 +90,12 @@ def add_line(dissected: DissectedPlan, side: Side, pins: Sequence[Pin], line: Fl
     joined = at(arc, lengths, np.concatenate([[start], inside, [stop]]))
     pin = Pin(carried(joined, inner, outside), drawn=True)
     return tuple(pin if k == number else other for k, other in enumerate(pins))
+
+
+def edited_outline(dissection: Dissection, outer: FloatArray, pins: Sequence[Pin], name: str) -> PlacedOutline:
+    """The outline as it is with the lines that are drawn on it already; arguments as of
+    `riot.construction.pinned_paths.pinned_paths`."""
+    return _edited(dissection, outer, pins, name)[0]
 
 
 def _edited(

@@ -19,6 +19,7 @@ from riot.construction.tuning import (
     PIN_POSITION_SLACK,
     PIN_TOLERANCE,
     PIN_WEIGHT,
+    SECTION_SLACK,
 )
 from riot.errors import PinError
 from riot.kernels.matching import along, at
@@ -108,12 +109,14 @@ def drawn_section(outline: PlacedOutline, pin: Pin, label: str) -> tuple[FloatAr
             f"{label}: the drawn line leaves the trunk that its piece swings into: keep nearer to the outline"
         ).at(carried(outside, inner, outer))
     arc, lengths = outline.inner_arcs[cell], outline.lengths[cell]
-    arc = np.concatenate([arc[lengths < low - PIN_POSITION_SLACK], line, arc[lengths > high + PIN_POSITION_SLACK]])
+    head, tail = arc[lengths < low - SECTION_SLACK], arc[lengths > high + SECTION_SLACK]
+    # A line that ends at a hinge does so to the last bit.
+    line[0], line[-1] = (arc[0] if len(head) == 0 else line[0]), (arc[-1] if len(tail) == 0 else line[-1])
+    arc = np.concatenate([head, line, tail])
     if not shapely.is_simple(shapely.LineString(arc)):
         raise PinError(f"{label}: the drawn line crosses the outline of its piece: draw it clear of it")
-    first = int((lengths < low - PIN_POSITION_SLACK).sum())
     measured = along(arc)
-    return arc, PinnedSection(cell, float(measured[first]), float(measured[first + len(line) - 1]))
+    return arc, PinnedSection(cell, float(measured[len(head)]), float(measured[len(head) + len(line) - 1]))
 
 
 def _pull(match: TreeMatch, sections: Sequence[PinnedSection]) -> Pull:

@@ -124,10 +124,18 @@ def _is_long(points: FloatArray) -> bool:
     return len(points) > 1 and float(along(points)[-1]) >= KEPT_POINT_REACH
 
 
+def with_pins(pins: Pins, side: Side, of_side: tuple[Pin, ...]) -> Pins:
+    """The pins with others of one side.
+
+    >>> with_pins(Pins(), "q", (Pin(house.points),)).p
+    ()
+    """
+    return replace(pins, p=of_side) if side == "p" else replace(pins, q=of_side)
+
+
 def _with(pins: Pins, side: Side, stretches: Sequence[FloatArray]) -> Pins:
     """The pins with these stretches (k, 2) of one side kept, too."""
-    more = tuple(map(Pin, stretches))
-    return replace(pins, p=(*pins.p, *more)) if side == "p" else replace(pins, q=(*pins.q, *more))
+    return with_pins(pins, side, (*(pins.p if side == "p" else pins.q), *map(Pin, stretches)))
 
 
 def _missed(dissected: DissectedPlan, side: Side, pins: Pins) -> shapely.MultiPoint | None:

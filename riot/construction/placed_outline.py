@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from riot.construction.dissection import Dissection
-from riot.construction.tuning import PIN_CHECKS, PIN_REACH
+from riot.construction.tuning import PIN_CHECKS, PIN_REACH, SECTION_SLACK
 from riot.errors import PinError
 from riot.kernels.matching import along
 from riot.types import FloatArray
@@ -68,7 +68,7 @@ class PlacedOutline:
             for cell, lengths in enumerate(self.lengths):
                 first = float(self.starts[cell]) + turn * total
                 low, high = max(start - first, 0.0), min(stop - first, float(lengths[-1]))
-                if high > low:
+                if high - low > SECTION_SLACK:
                     sections.append(PinnedSection(cell, low, high))
         return sections
 

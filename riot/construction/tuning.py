@@ -183,6 +183,12 @@ PIN_WEIGHT = 1e14
 PIN_POSITION_SLACK = 1e-9
 """Length along an arc: a sample this near to the end of a pinned section belongs to it."""
 
+SECTION_SLACK = 1e-8
+"""Length along an arc: a section shorter than this comes from rounding where pins end at a hinge."""
+
+HINGE_REACH = 0.1 * D_C
+"""Length: a line that is drawn over a hinge may pass it in this distance, and is led through it."""
+
 KEEP_TRIES = 16
 """Parts of a stretch that are tried, the longest first, until what can be kept of it is known."""
 

@@ -12,7 +12,8 @@ from msgspec import structs
 
 from riot.construction.contact import require_plan_cells
 from riot.construction.dissected_plan import dissect_plan
-from riot.construction.drawn_lines import add_line, pull
+from riot.construction.drawn_lines import pull
+from riot.construction.line_over_hinges import draw_stretch
 from riot.construction.pinned_stretch import PinnedStretch, keep_stretch
 from riot.construction.pins import Pin as GeometryPin
 from riot.construction.plan import ConstructionPlan
@@ -50,7 +51,7 @@ from studio.work.search import bent_soon, found_plans
 GRASP = 0.3
 """A person may be so far off the outline that is meant, in the unit-area frame."""
 
-OTHER_TRUNKS = "Another way to cut may have room for it: see Choose."
+OTHER_TRUNKS = " Another way to cut may have room for it: see Choose."
 
 Item = TypeVar("Item")
 
@@ -66,9 +67,9 @@ def change(state: State, edit: Edit, files: Files, quick: bool) -> Answer:
     base = transform(files, state.base)
     match edit:
         case Draw(side, line):
-            pins = _pins(state, base, side)
-            pins = add_line(dissected(files, state.base), side, pins, _with_ends_on(points_of(line), base, side))
-            return _pinned(_with_pins(state, base, side, pins, "draw"), files, quick)
+            given, stored = _with_ends_on(points_of(line), base, side), partial(_stored, base, side)
+            drawn = draw_stretch(dissected(files, state.base), side, pins_of(state, base), given, stored)
+            return _stretched(state, base, side, drawn, "draw", files, quick)
         case Pull(side, at, to, reach):
             pins = _pins(state, base, side)
             there = nearest(points_of(at), base.outline_p() if side == "p" else base.outline_q())[0]
@@ -157,7 +158,7 @@ def _stretched(
     )
     if not stretch.reason:
         return answer
-    words = f"Not where it is marked: {stretch.reason}. {OTHER_TRUNKS}"
+    words = f"Not where it is marked: {stretch.reason}.{OTHER_TRUNKS if step == 'keep' else ''}"
     return replace(answer, shortfall=Shortfall(side, tuple(flat_of(stretch.lost)), words))
 
 

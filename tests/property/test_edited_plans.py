@@ -10,14 +10,17 @@ import shapely
 
 from riot import Shape, TrunkError, construct
 from riot.construction.dissected_plan import DissectedPlan, dissect_plan
-from riot.construction.drawn_lines import add_line, pull
+from riot.construction.drawn_lines import Side, add_line, pull
+from riot.construction.line_over_hinges import draw_stretch
 from riot.construction.pins import Pins, draw
 from riot.construction.plan_transform import construct_plan
 from riot.construction.replan import plan_of, trunks_of, unbent_plan, with_corner
+from riot.construction.tuning import LEAF_RADIUS, PIN_TOLERANCE
 from riot.errors import PinError
 from riot.parameters import BendParameters, ConstructParameters
 from riot.transform.transform import Transform
 from riot.types import FloatArray
+from riot.units import L_C
 
 LINES = 512
 
@@ -44,6 +47,45 @@ def middle_of_an_arc(transform: Transform) -> FloatArray:
     outline = transform.outline_p()
     away = np.hypot(*(outline[:, None] - transform.trunk_p[None]).transpose(2, 0, 1)).min(axis=1)
     return np.asarray(outline[away.argmax()])
+
+
+@pytest.mark.parametrize("side", ["p", "q"])
+@pytest.mark.parametrize("height", [0.0, 0.015])
+def test_a_line_over_a_hinge_is_led_through_it_and_what_contradicts_it_is_told(side: Side, height: float) -> None:
+    transform = dissected().transform()
+    outline = shapely.LinearRing(transform.outline_p() if side == "p" else transform.outline_q())
+    hinges = transform.pose(0.0 if side == "p" else 1.0).origins
+    drawn = 0
+    for hinge in hinges:
+        around = outline.project(shapely.Point(hinge)) + np.linspace(-0.1, 0.25, 36)
+        line = shapely.get_coordinates(shapely.line_interpolate_point(outline, around % outline.length))
+        ahead = line[-1] - line[0]
+        normal = np.array([ahead[1], -ahead[0]]) / np.hypot(*ahead)
+        line += height * np.sin(np.linspace(0.0, np.pi, len(line)))[:, None] * normal
+        try:
+            stretch = draw_stretch(dissected(), side, Pins(), line)
+        except PinError as error:
+            assert error.side == side and len(error.points) > 0
+            continue
+        drawn += 1
+        assert (len(stretch.lost) == 0) == (stretch.reason == "")
+        edited = dissected().transform(stretch.pins)
+        new = edited.outline_p() if side == "p" else edited.outline_q()
+        assert edited.certificate().passed and apart(hinges, new).max() < 1e-12
+        for pin in stretch.pins.p or stretch.pins.q:
+            clear = np.hypot(*(pin.points[:, None] - hinges[None]).transpose(2, 0, 1)).min(axis=1) > LEAF_RADIUS * L_C
+            assert apart(pin.points[clear], new).max() <= PIN_TOLERANCE
+    assert drawn
+
+
+def test_a_line_that_leaves_out_a_hinge_is_told_to_go_through_it() -> None:
+    outline = dissected().transform().outline_p()
+    with pytest.raises(PinError, match="leaves out a hinge") as caught:
+        draw_stretch(dissected(), "p", Pins(), outline[[len(outline) // 8, len(outline) // 2]])
+    hinges = dissected().transform().pose(0.0).origins
+    assert (
+        np.hypot(*(np.array(caught.value.points)[:, None] - hinges[None]).transpose(2, 0, 1)).min(axis=1).max() < 1e-9
+    )
 
 
 @pytest.mark.parametrize("bent", [False, True])
