@@ -114,7 +114,6 @@ def measure_pair(browser: Browser, pictures: Sequence[Path], times: Times, cpu: 
             message = until(tab, ("transform",), 0)
         cpu["best transform"].append(message["cpu"])
         times["best transform"].append(1e3 * (time.perf_counter() - started))
-        until(tab, ("progress",), 0)
         for kind, edits in drags(message["scene"]).items():
             for edit in edits:
                 answer, took = browser.answer(tab, type="edit", phase="move", edit=edit)

@@ -16,6 +16,9 @@ from studio.work.answer import Answer
 from studio.work.reading import ShapeFile, is_transform, open_transform, read_shape
 from studio.work.search import best_transform, first_transform
 
+WORDS = ("looking for a transform", "bending both shapes a little")
+"""What a search does in its two steps."""
+
 
 async def put_file(session: LiveSession, side: Side, data: bytes, name: str) -> tuple[str, ...]:
     """Take a file that was given; returns why its outline may be wrong.
@@ -97,11 +100,11 @@ def _search(session: LiveSession, state: State, seq: int) -> None:
 async def _found(session: LiveSession, state: State, seq: int) -> None:
     """Show a transform soon, and then the best one; each completes the state that asked for it."""
     started, current = time.perf_counter(), state
-    await session.tabs.tell(news.Progress(seq, "transform", "looking for a transform", 0, 2))
     failure: RiotError | None = None
     draft: Answer | None = None
     steps = (first_transform,) if state.weight is None else (first_transform, best_transform)
-    for done, find in enumerate(steps, start=1):
+    for done, (find, words) in enumerate(zip(steps, WORDS, strict=False)):
+        await session.tabs.tell(news.Progress(seq, "transform", words, done, len(steps)))
         try:
             answer = await session.workers.live.run(find, state, documents(session.folder, state))
         except RiotError as error:
@@ -113,9 +116,8 @@ async def _found(session: LiveSession, state: State, seq: int) -> None:
             session.view.keep(answer.shown)
             await session.commit(session.history.settled(current, answer.state), seq)
             current = answer.state
-            draft = answer if done < len(steps) else None
+            draft = answer if done + 1 < len(steps) else None
             await session.show(seq, started, answer, draft=draft is not None)
-        await session.tabs.tell(news.Progress(seq, "transform", "bending both shapes a little", done, len(steps)))
     if draft is not None:  # what was shown soon is the best there is
         await session.show(seq, started, draft, draft=False)
     if current.shown is not None:

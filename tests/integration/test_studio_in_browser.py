@@ -115,6 +115,7 @@ def test_a_piece_of_either_shape_swings_by_pointer_and_finger_and_goes_back(
     page = fresh
     give_both(page, files)
     page.locator("#certificate", has_text="swings").wait_for()  # how it moves is planned after
+    page.locator("#status").wait_for(state="hidden")
     page.click("#play")
     slider, session = page.locator("#slider"), page.context.new_cdp_session(page)
 
