@@ -74,6 +74,10 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         output.note(f"the back shows {name} mirrored: `riot make --mirror-q` cuts it to be read there")
     painted = bool(pictures or chosen.pattern)
     textures = texture.paint.find_textures(transform, pictures, masks, chosen.pattern) if painted else {}
+    if parameters.inlay and len(textures) == 1:
+        (plain,) = set(SIDES) - set(textures)
+        face = "front" if plain == "p" else "back"
+        output.note(f"the {face} gets no inlay: --texture-{plain} or --pattern paints it")
     paper = chosen.paper or chosen.dxf or (bool(textures) and not parameters.inlay)
 
     def write_paper(folder: Path) -> None:

@@ -19,10 +19,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot.cli.main import main
+from riot.draw.scene import Label
 from riot.fabricate import Design, FabricationError, FabricationParameters, design, write_puzzle
 from riot.fabricate.captive_check import check_captive
 from riot.fabricate.certificate import FabricationCertificate, certify
 from riot.fabricate.cones import cone_height, cone_pin, cone_socket
+from riot.fabricate.export.drawing import drawing_of
+from riot.fabricate.export.inlay import bodies_of, chain_bodies
+from riot.fabricate.export.instructions import end_in_words
+from riot.fabricate.export.page import page_scenes
 from riot.fabricate.in_place import chain_part, check_placement, placed_on_bed
 from riot.fabricate.layers import rings_slabs
 from riot.fabricate.motion_check import placed_parts
@@ -231,3 +236,24 @@ class TestFiles:
         names = {path.name for path in out.iterdir()}
         assert {"chain.stl", "plate-1.3mf", "assembly.pdf", "laser-strips.svg", "puzzle-p.png"} <= names
         assert not any(name.startswith(("piece-", "pin", "laser-layers")) for name in names)
+
+
+def test_pages_say_that_there_is_nothing_to_insert() -> None:
+    puzzle_design, _ = puzzle(0, 0)
+    told = [mark.text for page in page_scenes(puzzle_design) for mark in page.marks if isinstance(mark, Label)]
+    assert any("nothing to insert" in words for words in told)
+    ends = {end_in_words(puzzle_design, end) for piece in puzzle_design.pieces for end in (piece.start, piece.end)}
+    assert ends == {"free", "pin, in place", "socket, in place"}
+
+
+def test_a_chain_takes_inlays_which_together_with_its_base_are_the_chain() -> None:
+    puzzle_design, parts = puzzle(0, 0)
+    inlaid = replace(puzzle_design, parameters=replace(puzzle_design.parameters, inlay_mm=0.6))
+    drawing = drawing_of(inlaid)
+    assert drawing is not None
+    bodies = chain_bodies(inlaid, parts, {part.name: bodies_of(inlaid, part, drawing) for part in parts})
+    whole = chain_part(inlaid, parts).solid
+    together = manifold3d.Manifold.batch_boolean([body.solid for body in bodies], manifold3d.OpType.Add)
+    assert {body.filament for body in bodies} == {1, 2} and len(bodies) == 3 * len(parts)
+    assert sum(body.volume for body in bodies) == pytest.approx(whole.volume(), rel=1e-6)
+    assert together.volume() == pytest.approx(whole.volume(), rel=1e-6)

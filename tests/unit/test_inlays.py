@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 import shapely
 import trimesh
+from colour_pictures import picture, placed
+from PIL import Image
 
 from riot.cli.main import main
 from riot.draw.texture.paint import Texture, pattern_texture
@@ -174,3 +176,16 @@ def test_print_sinks_a_pattern_and_counts_layers(tmp_path: Path, capsys: pytest.
     assert not list((tmp_path / "out").glob("*-base.stl"))
     with zipfile.ZipFile(tmp_path / "out" / "plate-1.3mf") as archive:
         assert CONFIG not in archive.namelist()
+
+
+def test_print_says_which_side_stays_plain(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    transform = placed(exact_transform(dudeney()))
+    save(transform, tmp_path / "d.riot")
+    picture(tmp_path / "two.png", transform.p, (200, 30, 40))
+    two = np.array(Image.open(tmp_path / "two.png"))
+    two[:, :80, :3] = 20, 40, 200  # blue on its left
+    Image.fromarray(two).save(tmp_path / "two.png")
+    command = ["print", str(tmp_path / "d.riot"), "-o", str(tmp_path / "out"), "--inlay", "0.6"]
+    assert main([*command, "--texture-p", str(tmp_path / "two.png")]) == 0
+    assert "the back gets no inlay: --texture-q or --pattern paints it" in capsys.readouterr().err
+    assert list((tmp_path / "out").glob("*-front-*.stl")) and not list((tmp_path / "out").glob("*-back-*.stl"))

@@ -121,6 +121,10 @@ def magnet_size(design: Design) -> str:
     return f"⌀ {design.parameters.magnet_mm:g} × {design.parameters.magnet_height_mm:g} mm"
 
 
-def end_in_words(end: HingeEnd) -> str:
+def end_in_words(design: Design, end: HingeEnd) -> str:
     """The hinge at one end of a piece."""
-    return "free" if end.kind == "open" else f"{end.kind}, {end.role}"
+    if end.kind == "open":
+        return "free"
+    if design.placement is not None:
+        return f"{'pin' if end.captive else 'socket'}, in place"
+    return f"{end.kind}, {end.role}"

@@ -76,7 +76,8 @@ def _pictures(design: Design) -> list[Mark]:
     marks += drawn(design, laid, scale, 0.5 * WIDTH, top - 0.5 * high, numbers=True, hinges=True)
     words = f"the chain, seen from the front: {names[0]}'s outline below, {names[1]}'s above"
     marks.append(text(0.5 * WIDTH, top - high - 7.0, words, 2.8, "note", "middle"))
-    kinds = "● pin hinge   ○ open ends" + ("   ◎ telescopic hinge" if design.motion.lifted else "")
+    joint = "pin hinge" if design.placement is None else "hinge printed in place"
+    kinds = f"● {joint}   ○ open ends" + ("   ◎ telescopic hinge" if design.motion.lifted else "")
     marks.append(text(0.5 * WIDTH, top - high - 11.5, kinds, 2.8, "note", "middle"))
     top -= high + 21.0
 
@@ -112,8 +113,11 @@ def _lists(design: Design) -> list[list[Mark]]:
     for piece in design.pieces:
         x0, y0, x1, y1 = piece.footprint.bounds  # with its knuckles
         wide, high = x1 - x0, y1 - y0
-        ends = f"{end_in_words(piece.start)}, then {end_in_words(piece.end)}"
+        ends = f"{end_in_words(design, piece.start)}, then {end_in_words(design, piece.end)}"
         lines.append(("row", f"{piece.index + 1}\t1 × {piece.name}\t{wide:.0f} × {high:.0f} mm\t{ends}"))
+    if design.placement is not None:
+        box = f"{design.placement.width:.0f} × {design.placement.depth:.0f} mm"
+        lines.append(("row", f"\t1 × chain\t{box}\tall pieces in one print: nothing to insert, turn it free"))
     lines += [("row", f"\t{pin.count} × pin\t⌀ {pin.diameter:g} × {pin.length:g} mm\t") for pin in design.pins]
     if design.sleeves:
         lines.append(("row", f"\t{design.sleeves} × sleeve\t\tof telescopic hinges"))
