@@ -229,7 +229,7 @@ def _partner(lengths: FloatArray, marks: FloatArray, position: float, turning: f
 def _insert(knots: FloatArray, count: int, u: float, v: float, apart: float) -> int:
     """Insert (u, v) into ascending knots unless it is out of order or nearer than ``apart``; returns their number."""
     slot = 1
-    while knots[slot, 0] < u:
+    while slot < count - 1 and knots[slot, 0] < u:  # rounding may put u beyond the last
         slot += 1
     if u < knots[slot - 1, 0] + apart or u > knots[slot, 0] - apart:
         return count

@@ -84,6 +84,21 @@ def test_samples_correspond_monotonically_and_hold_every_vertex(seed: int) -> No
         assert np.abs(lengths[:, None] - positions[None]).min(axis=1).max() < 1e-9
 
 
+def test_positions_end_at_the_ends_whatever_lay_in_memory_before() -> None:
+    for length in np.linspace(1.0, 2.0, 60):
+        # A loop at the end of one line corresponds to the end of the other, beyond which rounding may put it.
+        line = np.stack([np.linspace(0.0, length, 60), np.zeros(60)], axis=1)
+        loop = length + 0.1 * np.sin(np.pi * np.linspace(0.125, 0.875, 7))
+        looped = np.concatenate([line, np.stack([loop, np.zeros(7)], axis=1), line[-1:]])
+        features = np.zeros(len(looped))
+        features[len(line) : -1] = 0.1
+        for count in range(100, 400, 4):  # memory of which the kernel may be given some
+            memory = [np.tile([-1e9, -1e9, 1e9, 1e9], count // 4) for _ in range(9)]
+        del memory
+        u, v = merged(line, np.zeros(len(line)), looped, features, 0.02)
+        assert (u[-1], v[-1]) == (along(line)[-1], along(looped)[-1])
+
+
 @given(SEEDS)
 @settings(max_examples=25)
 def test_two_straight_lines_average_to_a_straight_line(seed: int) -> None:
