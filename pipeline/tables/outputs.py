@@ -59,6 +59,7 @@ def write_parquet(
     ) as writer:
         for batch in batches:
             writer.write_table(batch, row_group_size=max(1, len(batch)))
+            del batch  # before the next one is made
     return pq.read_metadata(path)
 
 

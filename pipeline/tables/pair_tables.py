@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import chain, islice
+from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,8 @@ import numpy as np
 
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.qcrs import COLUMNS
+from pipeline.store.artifact import Artifact
+from pipeline.store.mapped import let_go
 from pipeline.tables.outputs import from_columns, new_place, replace_folder, write_metadata, write_parquet
 from pipeline.tables.results import Results, Row
 from pipeline.tables.schemas import SCHEMAS, of_table
@@ -101,14 +103,18 @@ def write_qcrs(results: Results, folder: Path) -> list[Path]:
     schema = SCHEMAS["qcrs"] if results.search is None else results.search.schema()
     groups = _row_groups(results, schema)
     files: dict[str, pq.FileMetaData] = {}
-    for first in groups:
+    while first := list(islice(groups, 1)):
         name = f"part-{len(files):04d}.parquet"
-        files[name] = write_parquet(
-            temporary / name, schema, chain([first], islice(groups, ROW_GROUPS - 1)), ("i", "j")
-        )
+        files[name] = write_parquet(temporary / name, schema, _of_a_file(first, groups), ("i", "j"))
     write_metadata(temporary / METADATA, schema, files)
     replace_folder(temporary, folder / "qcrs")
     return [folder / "qcrs" / name for name in (*files, METADATA)]
+
+
+def _of_a_file(first: list[pa.Table], others: Iterator[pa.Table]) -> Iterator[pa.Table]:
+    """Up to `ROW_GROUPS` row groups; ``first`` is emptied, so that nobody holds a group that is written."""
+    yield first.pop()
+    yield from islice(others, ROW_GROUPS - 1)
 
 
 def _row_groups(results: Results, schema: pa.Schema) -> Iterator[pa.Table]:
@@ -116,18 +122,21 @@ def _row_groups(results: Results, schema: pa.Schema) -> Iterator[pa.Table]:
     waiting = [schema.empty_table()]
     written = rows = 0
     for piece in _collected(results) if "pairs" in results.progress.work else _scored(results):
-        piece |= {name: results.numbers[piece[name]] for name in ("i", "j")}
-        keep = (piece["i"] >= 0) & (piece["j"] >= 0)
-        kinds = {field.name: field.type.to_pandas_dtype() for field in schema}
-        columns = {name: column[keep].astype(kinds[name]) for name, column in piece.items()}
-        waiting.append(from_columns(schema, **columns))
+        waiting.append(_table(piece, results, schema))
         rows += len(waiting[-1])
         if rows >= ROWS:
-            table, waiting = pa.concat_tables(waiting), [schema.empty_table()]
-            written, rows = written + rows, 0
-            yield table
+            yield pa.concat_tables(waiting)
+            waiting, written, rows = [schema.empty_table()], written + rows, 0
     if rows or not written:
         yield pa.concat_tables(waiting)
+
+
+def _table(piece: Columns, results: Results, schema: pa.Schema) -> pa.Table:
+    """A piece, which is emptied, as a table of shapes, without the positions that have none."""
+    piece |= {name: results.numbers[piece[name]] for name in ("i", "j")}
+    keep = (piece["i"] >= 0) & (piece["j"] >= 0)
+    columns = {field.name: piece.pop(field.name)[keep].astype(field.type.to_pandas_dtype()) for field in schema}
+    return from_columns(schema, **columns)
 
 
 def _scored(results: Results) -> Iterator[Columns]:
@@ -140,20 +149,44 @@ def _scored(results: Results) -> Iterator[Columns]:
     for a, items in sorted(by_rows.items()):
         columns_of = [progress.of_group(item.block[1]) for item in items if item.block is not None]
         # Large ones are mapped: of all blocks of a row only the rows in hand are in memory.
-        read = [(group.start, results.artifact(item)) for group, item in zip(columns_of, items, strict=True)]
-        blocks = [(start, artifact.arrays) for start, artifact in read if artifact is not None]
-        for low, high in _spans(sum(map(len, columns_of)), len(progress.of_group(a))):
-            pieces = []
-            for start, arrays in blocks:
-                first, last = np.searchsorted(arrays["i"], [low, high])
-                columns = {name: arrays[name][first:last] for name in COLUMNS}
-                pieces.append({**columns, "j": columns["j"].astype(np.int64) + start})
-            if pieces:
-                joined = {name: np.concatenate([piece[name] for piece in pieces]) for name in COLUMNS}
-                # Blocks are ordered by (i, j), and all of one block's j come before the next one's.
-                order = np.argsort(joined["i"], kind="stable")
-                piece = {name: column[order] for name, column in joined.items()}
-                yield {**piece, "i": piece["i"].astype(np.int64) + progress.of_group(a).start}
+        blocks = [
+            (group.start, artifact)
+            for group, item in zip(columns_of, items, strict=True)
+            if (artifact := _mapped(results, item)) is not None
+        ]
+        for rows in _spans(sum(map(len, columns_of)), len(progress.of_group(a))):
+            piece = _rows_of(blocks, rows, progress.of_group(a).start)
+            if piece:
+                yield piece
+
+
+def _mapped(results: Results, item: WorkItem) -> Artifact | None:
+    """The artifact of a work item, none of it in memory although all of it was checked."""
+    artifact = results.artifact(item)
+    if artifact is not None:
+        let_go(artifact)
+    return artifact
+
+
+def _rows_of(blocks: Sequence[tuple[int, Artifact]], span: tuple[int, int], start: int) -> Columns:
+    """The pairs of a span of the rows of ``blocks``, each with the position of its first column, ordered by i and j.
+
+    ``start`` is the position of the first row of all.
+    """
+    columns: Columns = {name: [] for name in COLUMNS}
+    for first_column, block in blocks:
+        first, last = np.searchsorted(block.arrays["i"], span)
+        for name in COLUMNS:
+            columns[name].append(np.array(block.arrays[name][first:last]))
+        columns["j"][-1] = columns["j"][-1].astype(np.int64) + first_column
+        let_go(block)
+    if not blocks:
+        return {}
+    # Blocks are ordered by (i, j), and all of one block's j come before the next one's.
+    order = np.argsort(np.concatenate(columns["i"]), kind="stable")
+    for name in COLUMNS:  # one after the other, so that few are there twice
+        columns[name] = np.concatenate(columns[name])[order]
+    return {**columns, "i": columns["i"].astype(np.int64) + start}
 
 
 def _spans(columns: int, rows: int) -> Iterator[tuple[int, int]]:
