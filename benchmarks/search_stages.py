@@ -31,7 +31,7 @@ from pipeline.config.schema import Config, QcrsConfig
 from pipeline.datasets.collection import Collection, DatasetConfig
 from pipeline.datasets.item import Item
 from pipeline.plan.work_item import Reference, WorkItem
-from pipeline.runtime.execute import bundles
+from pipeline.runtime.bundles import bundles
 from pipeline.runtime.inputs import InputCache
 from pipeline.runtime.worker import run_items
 from pipeline.stages.all import BY_NAME, begin_run

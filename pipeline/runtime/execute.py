@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -12,9 +11,9 @@ from pathlib import Path
 
 from pipeline.config.schema import ClusterConfig
 from pipeline.errors import SignatureError, StartError, StorageError
-from pipeline.plan.sub_block import Sides, SubBlock
 from pipeline.plan.work_item import Reference, WorkItem
-from pipeline.runtime.clusters import Bundle, Executor, SyncExecutor, open_cluster
+from pipeline.runtime.bundles import bundles
+from pipeline.runtime.clusters import Executor, SyncExecutor, open_cluster
 from pipeline.runtime.events import ItemDone, Listener, StageEnded, StageStarted
 from pipeline.runtime.profile import profiled
 from pipeline.runtime.retries import MACHINE_FAULTS, MACHINE_TRIES
@@ -23,12 +22,9 @@ from pipeline.runtime.stage_kernels import StageKernels
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
 from pipeline.stages.block_rows import ReusingBlock
-from pipeline.stages.partners import Search
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
-
-TASKS_PER_WORKER = 4
 
 ENDING = {error.__name__: error for error in (StorageError, SignatureError)}
 """Failures of a work item that end the run: no other artifact can be written there either, or all may be forged."""
@@ -183,68 +179,9 @@ class Run:
         return total
 
 
-def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
-    """Group work items of one stage into tasks: up to the stage's bundle or tile, but enough tasks for every worker."""
-    if not items:
-        return []
-    stage, least = BY_NAME[items[0].stage], TASKS_PER_WORKER * workers
-    if stage.searches:
-        widest = max(_search(item).batches for item in items)
-        return searches(items, max(1, min(stage.searches // widest, len(items) // least)))
-    if stage.tile:
-        # Of large groups a tile has few: as many batches on a side as of small ones.
-        widest = max(1, stage.tile // max(1, max(len(item.sources) for item in items) // 2))
-        tilings = (tiles(items, side) for side in range(widest, 0, -1))
-        return next((tiling for tiling in tilings if len(tiling) >= least), [[item] for item in items])
-    size = max(1, min(stage.bundle, len(items) // least))
-    return [items[start : start + size] for start in range(0, len(items), size)]
-
-
-def searches(items: Sequence[WorkItem], most: int) -> list[Bundle]:
-    """Group searches into tasks of at most ``most`` in the same shards, about as many in each."""
-    of_shards: dict[Sequence[Reference], list[WorkItem]] = {}
-    for item in items:
-        search = _search(item)
-        shards = item.sources[search.batches : search.batches + len(search.shards)]
-        of_shards.setdefault(shards, []).append(item)
-    return [
-        part[start : start + size]
-        for part in of_shards.values()
-        for size in [math.ceil(len(part) / math.ceil(len(part) / most))]
-        for start in range(0, len(part), size)
-    ]
-
-
-def _search(item: WorkItem) -> Search:
-    search: Search = item.spec.whole if isinstance(item.spec, SubBlock) else item.spec
-    return search
-
-
-def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:
-    """Group work items between two inputs into tiles, of the work between ``side`` inputs and ``side`` others.
-
-    Groups of inputs are numbered as they appear. The largest tiles come first, so that workers end at about the same
-    time.
-    """
-    numbers: dict[tuple[Reference, ...], int] = {}
-    tiling: dict[tuple[int, int], list[WorkItem]] = {}
-    for item in items:
-        sides = [numbers.setdefault(group, len(numbers)) // side for group in _sides(item)]
-        tiling.setdefault((min(sides), max(sides)), []).append(item)
-    return sorted(tiling.values(), key=len, reverse=True)
-
-
 def _needed(item: WorkItem) -> Sequence[Reference]:
     """The inputs without which a work item cannot be done: older blocks only save work."""
     return item.sources[: len(item.parts.inputs)] if isinstance(item.spec, ReusingBlock) else item.sources
-
-
-def _sides(item: WorkItem) -> list[tuple[Reference, ...]]:
-    """The inputs on either side of a work item."""
-    sides = item.spec.sides if isinstance(item.spec, ReusingBlock) else item.spec
-    if not isinstance(sides, Sides):
-        return [(source,) for source in item.sources]
-    return [tuple(item.sources[number] for number in side) for side in sides.numbers]
 
 
 @contextlib.contextmanager

@@ -16,10 +16,11 @@ from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StopError
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime import worker as perform_module
+from pipeline.runtime.bundles import bundles, tiles
 from pipeline.runtime.clusters import Bundle, SyncExecutor, open_cluster
 from pipeline.runtime.clusters.dask_executor import DaskExecutor, receipts_of
 from pipeline.runtime.events import Event, ItemDone, StageEnded, StageStarted
-from pipeline.runtime.execute import Run, bundles, tiles
+from pipeline.runtime.execute import Run
 from pipeline.runtime.retries import MACHINE_TRIES, WORKER_TRIES
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
