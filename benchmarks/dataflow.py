@@ -20,7 +20,8 @@ from inputs import Size
 from measure import time_shares
 from table import Row, row
 
-from pipeline.config.schema import ClusterConfig, Config
+from pipeline.config.cluster import ClusterConfig
+from pipeline.config.schema import Config
 from pipeline.datasets.collection import Collection, DatasetConfig
 from pipeline.datasets.item import Item
 from pipeline.plan.progress import Progress

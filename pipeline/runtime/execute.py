@@ -9,7 +9,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from pipeline.config.schema import ClusterConfig
+from pipeline.config.cluster import ClusterConfig
 from pipeline.errors import SignatureError, StartError, StorageError
 from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.bundles import bundles

@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipeline.config.schema import ClusterConfig
+from pipeline.config.cluster import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.runtime.clusters.dask_executor import missing_bokeh
 from riot.errors import needs_extra

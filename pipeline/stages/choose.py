@@ -23,7 +23,7 @@ from riot.parameters import LikenessParameters
 from riot.types import IntArray
 
 if TYPE_CHECKING:
-    from pipeline.config.schema import SelectConfig
+    from pipeline.config.selection import SelectConfig
 
 
 UNRECOGNISED = 0.25

@@ -25,7 +25,7 @@ from riot.parameters import LikenessParameters
 from riot.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from pipeline.config.schema import SelectConfig
+    from pipeline.config.selection import SelectConfig
 
 
 LEAST = 1e-3

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from pipeline.errors import StartError
 
 if TYPE_CHECKING:
-    from pipeline.config.schema import SelectConfig
+    from pipeline.config.selection import SelectConfig
     from pipeline.datasets.item import Item
 
 

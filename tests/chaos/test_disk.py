@@ -26,7 +26,8 @@ from PIL import ImageFile
 import pipeline.runtime.execute
 from pipeline.cache import main
 from pipeline.cli.mine import run_job
-from pipeline.config.schema import ClusterConfig, Config
+from pipeline.config.cluster import ClusterConfig
+from pipeline.config.schema import Config
 from pipeline.errors import StorageError
 from pipeline.exit_codes import FAILED
 from pipeline.plan.work_item import Reference

@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import pipeline.runtime.worker
-from pipeline.config.schema import ClusterConfig, Config, SelectConfig
+from pipeline.config.cluster import ClusterConfig
+from pipeline.config.schema import Config
+from pipeline.config.selection import SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.flow import run_pipeline
 from pipeline.plan.work_item import Reference

@@ -10,8 +10,8 @@ from distributed import Client
 from small_runs import CLEAN, digests, run
 from stand_in_slurm import Slurm, slurm
 
+from pipeline.config.cluster import ClusterConfig
 from pipeline.config.command_line import check_command, complete
-from pipeline.config.schema import ClusterConfig
 from pipeline.errors import ConfigError
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.clusters import open_cluster

@@ -13,8 +13,8 @@ from distributed import Client
 from small_runs import BAD_START, CLEAN, INTERRUPTED, command, digests, run_here
 from stand_in_slurm import Slurm, slurm
 
+from pipeline.config.cluster import ClusterConfig
 from pipeline.config.command_line import check_command, complete
-from pipeline.config.schema import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.flow import run_pipeline
 from pipeline.runtime.admission import Admission

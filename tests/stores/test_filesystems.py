@@ -11,7 +11,9 @@ from integration.small_runs import digests, pictures
 from stores.kit import FilesKit, made, parts
 
 from pipeline.cache import main
-from pipeline.config.schema import ClusterConfig, Config, SelectConfig
+from pipeline.config.cluster import ClusterConfig
+from pipeline.config.schema import Config
+from pipeline.config.selection import SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import StartError
 from pipeline.exit_codes import BAD_START, CLEAN

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.config.schema import SelectConfig
+from pipeline.config.selection import SelectConfig
 from pipeline.datasets.item import Item
 from pipeline.errors import StartError
 from pipeline.stages.candidates import Shapes

@@ -11,7 +11,8 @@ from omegaconf import OmegaConf
 
 from pipeline.config.command_line import check_command, complete
 from pipeline.config.conf_files import CONF, group_choices, parameter_groups, plain_defaults
-from pipeline.config.schema import BendConfig, Config, SelectConfig
+from pipeline.config.schema import BendConfig, Config
+from pipeline.config.selection import SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.datasets.sample import definitions
 from pipeline.plan.sources import ROOT

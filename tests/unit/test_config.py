@@ -10,9 +10,11 @@ from typing import get_type_hints
 import pytest
 
 from pipeline.config.build import make_config
+from pipeline.config.cluster import ClusterConfig
 from pipeline.config.command_line import check_command, complete, sweep_point, sweep_values, swept_over
 from pipeline.config.conf_files import allowed_names, group_choices
-from pipeline.config.schema import ClusterConfig, Config, SelectConfig
+from pipeline.config.schema import Config
+from pipeline.config.selection import SelectConfig
 from pipeline.datasets.collection import DatasetConfig
 from pipeline.errors import ConfigError
 from riot.parameters import ParameterGroup

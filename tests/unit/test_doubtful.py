@@ -15,7 +15,7 @@ from arrow import ARROW, SIDE
 from PIL import Image
 
 from pipeline.config.build import make_config
-from pipeline.config.schema import SelectConfig
+from pipeline.config.selection import SelectConfig
 from pipeline.stages.all import BY_NAME
 from pipeline.stages.qualities import pack_qualities, qualities
 from pipeline.stages.quality_columns import columns

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from distributed.client import FuturesCancelledError
 
-from pipeline.config.schema import ClusterConfig
+from pipeline.config.cluster import ClusterConfig
 from pipeline.errors import StopError
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime import worker as perform_module

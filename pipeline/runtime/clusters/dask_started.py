@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-from pipeline.config.schema import ClusterConfig
+from pipeline.config.cluster import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.runtime.admission import Admission
 from pipeline.runtime.clusters.dask_executor import DaskExecutor, check_dashboard, run_on_worker, set_dask_options

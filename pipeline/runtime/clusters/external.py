@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Iterator
 from functools import partial
 
-from pipeline.config.schema import ClusterConfig
+from pipeline.config.cluster import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.runtime.admission import Admission
 from pipeline.runtime.clusters.dask_executor import DaskExecutor, run_on_worker, set_dask_options

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 
-from pipeline.config.schema import ClusterConfig
+from pipeline.config.cluster import ClusterConfig
 from pipeline.runtime.clusters.dask_started import open_started
 from pipeline.runtime.clusters.executor import Executor
 from pipeline.runtime.clusters.external import open_external

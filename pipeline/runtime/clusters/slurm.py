@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import partial
 from types import ModuleType
 
-from pipeline.config.schema import ClusterConfig
+from pipeline.config.cluster import ClusterConfig
 from pipeline.errors import StartError
 from pipeline.runtime import clusters
 from pipeline.runtime.admission import Admission
