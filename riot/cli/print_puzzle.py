@@ -81,7 +81,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     paper = chosen.paper or chosen.dxf or (bool(textures) and not parameters.inlay)
 
     def write_paper(folder: Path) -> None:
-        export.paperwork.write_paperwork(puzzle.design, folder, textures, drawing=drawing, dxf=chosen.dxf)
+        export.paperwork.write_paperwork(puzzle.design, folder, textures, drawing=drawing, dxf=chosen.dxf, trays=trays)
 
     compile_used(output.note, __name__)
     output.note("designs the pieces and proves that they move")

@@ -31,7 +31,8 @@ from riot.parameters import FabricationParameters
 from riot.transform.transform import Transform
 from riot.types import FloatArray
 
-_SIDES = {"tray-p": 0.0, "tray-q": 1.0}
+TRAY_TIMES = {"tray-p": 0.0, "tray-q": 1.0}
+"""The trays, and the time of the pose that each is for."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def tray_parts(design: Design) -> tuple[Part, ...]:
     depth = whole_layers(TRAY_DEPTH_SHARE * parameters.height, parameters.layer_mm)
     # Neither chords of a corner's circle, nor an outline that shapely simplifies by 1 % of the reach, are nearer.
     reach = 1.01 * (TRAY_GAP_MM + LENGTH_TOLERANCE_MM) / math.cos(math.pi / (4 * QUARTER_SEGMENTS))
-    for name, t in _SIDES.items():
+    for name, t in TRAY_TIMES.items():
         around = shapely.union_all(_placed(design, t)).buffer(reach, quad_segs=QUARTER_SEGMENTS)
         recess = shapely.set_precision(filled(around), GRID_MM)
         block = shapely.box(*recess.bounds).buffer(TRAY_WALL_MM, quad_segs=QUARTER_SEGMENTS)
@@ -74,7 +75,7 @@ def tray_parts(design: Design) -> tuple[Part, ...]:
 def check_tray(design: Design, tray: Part) -> TrayCheck:
     """Verify that a tray is one solid and that the closed puzzle goes straight down into it."""
     floor, frame = tray.slabs
-    pieces = _placed(design, _SIDES[tray.name])
+    pieces = _placed(design, TRAY_TIMES[tray.name])
     gap = min(float(piece.distance(frame.section)) for piece in pieces)
     failures = []
     if gap < TRAY_GAP_MM - LENGTH_TOLERANCE_MM:

@@ -20,9 +20,15 @@ if TYPE_CHECKING:
     from riot.draw.solid import View
     from riot.draw.texture.names import Side
     from riot.fabricate.model import Design
+    from riot.fabricate.solid import Part
 
 
-def write_booklet(design: Design, path: str | os.PathLike[str], views: Mapping[Side, View] | None = None) -> None:
+def write_booklet(
+    design: Design,
+    path: str | os.PathLike[str],
+    views: Mapping[Side, View] | None = None,
+    trays: tuple[Part, ...] = (),
+) -> None:
     """Write the booklet as a PDF; the front page shows ``views`` of the puzzle. The same design gives the same bytes.
 
     Raises `riot.fabricate.export.flat.FlatFormatError` for a suffix other than .pdf.
@@ -30,10 +36,10 @@ def write_booklet(design: Design, path: str | os.PathLike[str], views: Mapping[S
     target = Path(path)
     if target.suffix.lower() != ".pdf":
         raise FlatFormatError(f"cannot write the booklet {target.name!r}: use a file name that ends in .pdf")
-    target.write_bytes(pdf_bytes(booklet(design, views), unit_mm=1.0))
+    target.write_bytes(pdf_bytes(booklet(design, views, trays), unit_mm=1.0))
 
 
-def booklet(design: Design, views: Mapping[Side, View] | None = None) -> list[Scene]:
+def booklet(design: Design, views: Mapping[Side, View] | None = None, trays: tuple[Part, ...] = ()) -> list[Scene]:
     """The pages of `write_booklet`, in mm."""
     views = views or {side: puzzle_view(design, side) for side in SIDES}
-    return [cover(design, views), *step_pages(design), *page_scenes(design), laser_page(design)]
+    return [cover(design, views), *step_pages(design, trays), *page_scenes(design), laser_page(design)]

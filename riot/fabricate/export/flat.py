@@ -11,10 +11,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from riot.errors import RiotError
-from riot.fabricate.export.flat_parts import KINDS, Kind, flat_parts
+from riot.fabricate.export.flat_parts import KINDS, FlatPart, Kind, flat_parts
 from riot.fabricate.export.laser_coupon import laser_coupon
 from riot.fabricate.export.laser_sheet import LaserSheet, dxf_bytes, laser_sheets, sheets_by_kerf, svg_bytes
+from riot.fabricate.export.tray_sheet import tray_flat_parts
 from riot.fabricate.model import Design
+from riot.fabricate.solid import Part
 
 LASER_FORMATS = (".svg", ".dxf")
 COUPON = "laser-coupon"
@@ -77,22 +79,25 @@ def write_flat(design: Design, path: str | os.PathLike[str], kind: Kind = "outli
     _write(sheets, target.with_suffix(""), [target.suffix.lower()], _title(design, kind, kerf))
 
 
-def write_flat_files(design: Design, folder: Path, *, dxf: bool = True) -> list[Path]:
+def write_flat_files(design: Design, folder: Path, *, dxf: bool = True, trays: tuple[Part, ...] = ()) -> list[Path]:
     """Write all flat files into a folder that exists: ``laser-outlines.svg``, ``laser-outlines-kerf.svg`` and so on.
 
-    ``laser-coupon.svg`` is the test piece. `laser_kinds` are the kinds. Errors as `write_flat`.
+    ``laser-coupon.svg`` is the test piece. `laser_kinds` are the kinds; ``trays`` come besides. Errors as `write_flat`.
     """
     suffixes = LASER_FORMATS if dxf else LASER_FORMATS[:1]
     written = []
-    for kind in laser_kinds(design):
-        for kerf, sheets in enumerate(sheets_by_kerf(flat_parts(design, kind), design.parameters)):
+    kinds: dict[str, list[FlatPart]] = {kind: flat_parts(design, kind) for kind in laser_kinds(design)}
+    if trays:
+        kinds["trays"] = tray_flat_parts(design, trays)
+    for kind, parts in kinds.items():
+        for kerf, sheets in enumerate(sheets_by_kerf(parts, design.parameters)):
             stem = folder / f"laser-{kind}{'-kerf' if kerf else ''}"
             written += _write(sheets, stem, suffixes, _title(design, kind, bool(kerf)))
     coupon = laser_sheets(laser_coupon(design.parameters), design.parameters)
     return [*written, *_write(coupon, folder / COUPON, suffixes, "kerf and fit of the pin, a test piece")]
 
 
-def _title(design: Design, kind: Kind, kerf: bool) -> str:
+def _title(design: Design, kind: str, kerf: bool) -> str:
     names = f"{design.transform.p.name or 'P'} and {design.transform.q.name or 'Q'}"
     material = "cloth or tape" if kind == "strips" else f"{design.parameters.sheet_mm:g} mm thick"
     return f"{names}, {kind}, {material}{f', kerf {design.parameters.kerf_mm:g} mm' if kerf else ''}"

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from riot.draw.texture.names import Side
     from riot.draw.texture.paint import Texture
     from riot.fabricate.model import Design
+    from riot.fabricate.solid import Part
 
 SHEETS: Mapping[Side, str] = {"p": "texture-front.pdf", "q": "texture-back.pdf"}
 
@@ -29,17 +30,18 @@ def write_paperwork(
     *,
     drawing: Drawing | None = None,
     dxf: bool = True,
+    trays: tuple[Part, ...] = (),
     dots_per_inch: float = SHEET_DOTS_PER_INCH,
 ) -> list[Path]:
     """Write laser files, texture sheets, the booklet and pictures into a folder that exists; returns their paths.
 
     ``laser-*.svg`` and, with ``dxf``, ``laser-*.dxf``; ``texture-front.pdf`` and ``texture-back.pdf`` for sides that
     have a texture, their pictures with so many ``dots_per_inch``; ``assembly.pdf``; ``puzzle-p.png``, ``puzzle-q.png``,
-    and ``apart-p.png``, ``apart-q.png``. The same input gives the same bytes. Raises
-    `riot.errors.MissingExtraError` if a DXF file is asked for and ezdxf is not installed.
+    and ``apart-p.png``, ``apart-q.png``. ``trays`` are in the laser files and the booklet. The same input gives the
+    same bytes. Raises `riot.errors.MissingExtraError` if a DXF file is asked for and ezdxf is not installed.
     """
     textures = textures or {}
-    written = write_flat_files(design, folder, dxf=dxf)
+    written = write_flat_files(design, folder, dxf=dxf, trays=trays)
     for side, texture in textures.items():
         written.append(folder / SHEETS[side])
         write_sheets(design, written[-1], texture, side, dots_per_inch)
@@ -47,7 +49,7 @@ def write_paperwork(
     seen = textures if drawing is None else {side: InlayTexture(design, drawing, side) for side in SIDES}
     views = {side: puzzle_view(design, side, textures=seen) for side in SIDES}
     written.append(folder / "assembly.pdf")
-    write_booklet(design, written[-1], views)
+    write_booklet(design, written[-1], views, trays)
     for side in SIDES:
         written += [folder / f"puzzle-{side}.png", folder / f"apart-{side}.png"]
         written[-2].write_bytes(png_of_puzzle(views[side]))

@@ -21,6 +21,7 @@ from riot.fabricate.in_place import chain_part
 from riot.fabricate.model import Design
 from riot.fabricate.plates import Plate, lay_out
 from riot.fabricate.solid import Part
+from riot.fabricate.tray import check_tray
 
 FORMAT, VERSION = "riot-parts", 1
 
@@ -143,6 +144,7 @@ def parts_document(
             "poses": certificate.motion.poses,
             "hinges": [{**_finites(asdict(check)), "failures": list(check.failures)} for check in certificate.hinges],
             "placement": None if certificate.placement is None else _finites(asdict(certificate.placement)),
+            "trays": [_finites(asdict(check_tray(design, part))) for part in parts if part.kind == "tray"],
             "magnets": [_finites(asdict(check)) for check in certificate.magnets],
         },
         "warnings": list(design.warnings),

@@ -16,11 +16,13 @@ from riot.fabricate.export.magnet_picture import magnet_marks
 from riot.fabricate.export.page import HEIGHT, PAGE_MARGIN_MM, WIDTH
 from riot.fabricate.export.paper import Frame, region_mark, sheet, text
 from riot.fabricate.export.poses import chain, closed, drawn, fit, frames_of
+from riot.fabricate.export.tray_sheet import tray_marks
 
 if TYPE_CHECKING:
     from riot.draw.solid import View
     from riot.draw.texture.names import Side
     from riot.fabricate.model import Design
+    from riot.fabricate.solid import Part
 
 COVER_MM = 100.0
 """Greatest height of a picture on the front page."""
@@ -53,8 +55,9 @@ def cover(design: Design, views: Mapping[Side, View]) -> Scene:
     return sheet("front page", WIDTH, HEIGHT, marks)
 
 
-def step_pages(design: Design) -> list[Scene]:
-    """The pages of steps: lay the pieces out, join them one after another, swing them shut either way."""
+def step_pages(design: Design, trays: tuple[Part, ...] = ()) -> list[Scene]:
+    """The pages of steps: lay the pieces out, join them one after another, swing them shut either way, put them into
+    their trays."""
     names, n, first = shape_names(design), len(design.pieces), design.motion.open_hinge
     order = [(first + k) % n for k in range(n)]
     wide = (WIDTH - 2 * PAGE_MARGIN_MM - 10.0 * (COLUMNS - 1)) / COLUMNS
@@ -75,6 +78,9 @@ def step_pages(design: Design) -> list[Scene]:
     turned = " Turn it over." if design.transform.mirrored_q else ""
     steps.append((shut[0], f"Swing the row shut one way: {names[0]}!"))
     steps.append((shut[1], f"Open it, and swing it shut the other way: {names[1]}!{turned}"))
+    for tray, name in zip(trays, names, strict=False):
+        picture = tray_marks(design, tray, (room[0] - 6.0, room[1]))
+        steps.append((picture, f"{tray.name} keeps it as {name}; take it out by its rim."))
 
     pages: list[list[Mark]] = []
     for number, (picture, words) in enumerate(steps):
