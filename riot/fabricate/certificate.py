@@ -161,14 +161,22 @@ def fix(transform: Transform, parameters: FabricationParameters | None = None, *
 
 
 def way_out(transform: Transform, parameters: FabricationParameters) -> str:
-    """What would make a puzzle that fails: parameters with which it has been built and passes; or that nothing does."""
+    """What would make a puzzle that fails: parameters with which it has been built and passes; or that nothing does.
+
+    What is printed in place may pass with printed pins where nothing else mends it.
+    """
+    fewer = "a transform of fewer pieces (riot make --pieces) has larger ones"
     try:
-        changes = fix(transform, parameters).changes
+        return f"it passes with {', '.join(fix(transform, parameters).changes)} (--fix); {fewer}"
     except FabricationError:
-        return "no size, pin or wall mends it: take another transform (--rank, --pieces)"
-    return (
-        f"it passes with {', '.join(changes)} (--fix); a transform of fewer pieces (riot make --pieces) has larger ones"
-    )
+        pass
+    if parameters.pivot == "in-place":
+        try:
+            puzzle = fix(transform, replace(parameters, pivot="printed"))
+            return f"it passes with {', '.join(_changes(parameters, puzzle.design.parameters))}; {fewer}"
+        except FabricationError:
+            pass
+    return "no size, pin or wall mends it: take another transform (--rank, --pieces)"
 
 
 def _next(tried: FabricationParameters, error: FabricationError, enlarge: bool) -> FabricationParameters | None:

@@ -53,7 +53,7 @@ def check_supports(part: Part, layer: float) -> SupportCheck:
         worst, longest, unsupported = max(worst, lean), max(longest, bridge), unsupported + hanging
         if hanging > 0.0:
             failures.append(
-                f"{part.name} needs supports: {hanging:.1f} mm² of its layer at {above.low:.1f} mm have nothing below"
+                f"{part.name} needs supports: {hanging:.3g} mm² of its layer at {above.low:.1f} mm have nothing below"
             )
     return SupportCheck(part.name, worst, longest, unsupported, tuple(failures))
 

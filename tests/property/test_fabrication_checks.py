@@ -11,7 +11,7 @@ from exact_designs import design_of, designs, lifted_design, lifting, transform_
 from riot import Transform
 from riot.fabricate import Design, FabricationError, FabricationParameters, PieceDesign, design
 from riot.fabricate import certificate as certificate_module
-from riot.fabricate.certificate import certify, fix
+from riot.fabricate.certificate import BuiltPuzzle, certify, fix, way_out
 from riot.fabricate.design import upper_pieces
 from riot.fabricate.model import Slab
 from riot.fabricate.outlines import disc, narrowest, widening_parameter
@@ -71,6 +71,17 @@ def test_what_cannot_be_fixed_says_what_was_tried(monkeypatch: pytest.MonkeyPatc
     with pytest.raises(FabricationError, match=tried) as caught:
         fix(transform_of(3, 1), FabricationParameters(size_mm=500.0))
     assert (caught.value.reason, caught.value.parameter) == ("hinges-meet", "size_mm")
+
+
+def test_what_nothing_mends_in_place_is_told_to_take_pins(monkeypatch: pytest.MonkeyPatch) -> None:
+    def not_in_place(transform: Transform, parameters: FabricationParameters) -> BuiltPuzzle:
+        if parameters.pivot == "in-place":
+            raise FabricationError("falls-apart", "piece-1 falls into 2 parts", "size_mm")
+        return fix(transform, parameters)
+
+    monkeypatch.setattr(certificate_module, "fix", not_in_place)
+    told = way_out(transform_of(3, 1), FabricationParameters(pivot="in-place"))
+    assert told.startswith("it passes with pivot: printed instead of in-place; ")
 
 
 def test_an_inexact_transform_is_refused() -> None:
