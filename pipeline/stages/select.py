@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,10 @@ from pipeline.stages.stage import Stage
 from pipeline.stages.wishes import WishedShapes, wished_shapes
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import digest_text
+from riot.types import BoolArray
+
+if TYPE_CHECKING:
+    from pipeline.config.selection import SelectConfig
 
 
 @dataclass(frozen=True)
@@ -54,54 +58,95 @@ class Selecting:
     parts: tuple[tuple[int, int], ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class Given:
+    """The inputs of a selection by what they are, and which shapes may be selected: the ``clear`` of ``shapes``.
+
+    ``scored`` are the parts, or else the blocks; ``blocks`` these in either case.
+    """
+
+    spec: Selecting
+    scored: Sequence[Artifact]
+    rare: Sequence[Artifact]
+    rated: Sequence[Artifact]
+    blocks: Sequence[Artifact]
+    collected: Collected
+    clear: BoolArray
+    shapes: Shapes
+    pieces: Sequence[int]
+    surprise: Surprise | None
+
+    @classmethod
+    def of(cls, inputs: Sequence[Artifact], settings: SelectConfig, mirrored: bool, spec: Selecting) -> Given:
+        """Tell the inputs apart; of the scores none is read yet."""
+        lengths = [len(spec.parts or spec.blocks), len(spec.rare), len(spec.rated), len(spec.read), int(spec.described)]
+        ends = np.cumsum(lengths).tolist()
+        scored, rare, rated, read, things = (
+            inputs[end - length : end] for end, length in zip(ends, lengths, strict=True)
+        )
+        count = len(spec.classes)
+        collected = Collected.of(things[0].arrays if spec.described else {}, count)
+        batches = {spec.starts[number]: batch for number, batch in zip(spec.read, read, strict=True)}
+        clear = ~doubtful(batches, count)
+        surprise = None
+        if settings.min_surprise > 0:
+            surprise = Surprise(collected, np.arange(count), settings.min_surprise, mirrored)
+        shapes = Shapes.of(spec.classes, spec.wishes).only(clear)
+        blocks = inputs[ends[-1] :] if spec.parts else scored
+        return cls(spec, scored, rare, rated, blocks, collected, clear, shapes, settings.pieces, surprise)
+
+    def rows(self, starts: Starts, artifacts: Sequence[Artifact]) -> Iterator[Rows]:
+        """The pairs of some blocks that may be selected."""
+        return candidates(starts, artifacts, self.shapes, self.pieces, self.surprise)
+
+
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Selecting) -> Artifact:
     """The inputs that `Selecting` lists → ``pairs`` (p, 2) int64, best first, ``score`` (p,): QCRS.
 
     Only one input is in memory at a time: there are as many as blocks.
     """
     settings, mirrored, _ = parameters
-    lengths = [len(spec.parts or spec.blocks), len(spec.rare), len(spec.rated), len(spec.read), int(spec.described)]
-    ends = np.cumsum(lengths).tolist()
-    scored, rare, rated, read, things = (inputs[end - length : end] for end, length in zip(ends, lengths, strict=True))
-    collected = Collected.of(things[0].arrays if spec.described else {}, len(spec.classes))
-    batches = {spec.starts[number]: batch for number, batch in zip(spec.read, read, strict=True)}
-    clear = ~doubtful(batches, len(spec.classes))
-    shapes = Shapes.of(spec.classes, spec.wishes).only(clear)
-    surprise = None
-    if settings.min_surprise > 0:
-        surprise = Surprise(collected, np.arange(len(spec.classes)), settings.min_surprise, mirrored)
+    policies = {"varied": varied, "paper": best_reversible, "global": least_deformed}
+    chosen = policies[settings.policy](Given.of(inputs, settings, mirrored, spec), settings)
+    return Artifact({"pairs": chosen.pairs, "score": chosen.score})
 
-    def rows(starts: Starts, artifacts: Sequence[Artifact]) -> Iterator[Rows]:
-        return candidates(starts, artifacts, shapes, settings.pieces, surprise)
+
+def varied(given: Given, settings: SelectConfig) -> Chosen:
+    """The best pairs of many different things, over every n of their trunks."""
+    spec, collected = given.spec, given.collected
+    of_blocks = chain(given.rows(spec.blocks, given.scored), given.rows(spec.rare, given.rare))
+    every = read_rows(spec.parts, given.scored) if spec.parts else of_blocks
+    pairs = fill_pool(every, collected.cluster, given.shapes.label, collected.perimeter, settings.selected)
+    score = qcrs_of(pairs[:, 0], pairs[:, 1], spec.parts or spec.blocks, given.scored)
+    order = np.lexsort((pairs[:, 1], pairs[:, 0], -score))
+    return Chosen(pairs[order], score[order])
+
+
+def best_reversible(given: Given, settings: SelectConfig) -> Chosen:
+    """The pairs among the shape of best reversibility of each class (policy paper: paper §5.3)."""
+    spec = given.spec
+    ratings = np.full(len(spec.classes), np.nan)
+    for number, batch in zip(spec.rated, given.rated, strict=True):
+        start = spec.starts[number]
+        ratings[start : start + len(batch.arrays["score"])] = batch.arrays["score"]
+    ratings[~given.clear] = np.nan
+    among = replace(given, shapes=given.shapes.only(best_of_classes(spec.classes, ratings)))
+    return select_best((block[:3] for block in among.rows(spec.blocks, given.scored)), settings.selected)
+
+
+def least_deformed(given: Given, settings: SelectConfig) -> Chosen:
+    """The best pairs of different classes (policy global); blocks are read only if the parts have too few pairs."""
+    spec = given.spec
 
     def blocks(size: int) -> tuple[Iterable[Block], bool]:
-        if not spec.parts:
-            return (block[:3] for block in rows(spec.blocks, scored)), False
-        if size == first_pool(settings.selected):
-            parts = (part[:3] for part in read_rows(spec.parts, scored))
-            return parts, any(part.document["cut"] for part in scored)
-        return (block[:3] for block in rows(spec.blocks, inputs[ends[-1] :])), False
+        if spec.parts and size == first_pool(settings.selected):
+            parts = (part[:3] for part in read_rows(spec.parts, given.scored))
+            return parts, any(part.document["cut"] for part in given.scored)
+        return (block[:3] for block in given.rows(spec.blocks, given.blocks)), False
 
-    if settings.policy == "varied":
-        of_parts, of_blocks = read_rows(spec.parts, scored), chain(rows(spec.blocks, scored), rows(spec.rare, rare))
-        every = of_parts if spec.parts else of_blocks
-        pairs = fill_pool(every, collected.cluster, shapes.label, collected.perimeter, settings.selected)
-        score = qcrs_of(pairs[:, 0], pairs[:, 1], spec.parts or spec.blocks, scored)
-        order = np.lexsort((pairs[:, 1], pairs[:, 0], -score))
-        chosen = Chosen(pairs[order], score[order])
-    elif settings.policy == "paper":
-        ratings = np.full(len(spec.classes), np.nan)
-        for number, batch in zip(spec.rated, rated, strict=True):
-            start = spec.starts[number]
-            ratings[start : start + len(batch.arrays["score"])] = batch.arrays["score"]
-        ratings[~clear] = np.nan
-        shapes = shapes.only(best_of_classes(spec.classes, ratings))
-        chosen = select_best((block[:3] for block in rows(spec.blocks, scored)), settings.selected)
-    else:
-        widened = (settings.top, settings.per_class_pair, settings.per_shape)
-        limits = SelectionLimits(*(settings.breadth_of_policy * most for most in widened))
-        chosen = select_global(blocks, shapes.label, limits)
-    return Artifact({"pairs": chosen.pairs, "score": chosen.score})
+    widened = (settings.top, settings.per_class_pair, settings.per_shape)
+    limits = SelectionLimits(*(settings.breadth_of_policy * most for most in widened))
+    return select_global(blocks, given.shapes.label, limits)
 
 
 def items(progress: Progress) -> list[WorkItem]:
