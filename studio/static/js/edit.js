@@ -55,7 +55,7 @@ function toolbar() {
 function pick(name) {
   tool = name;
   for (const side of SIDES) boards[side].cancel();
-  find('#hint').textContent = `${TOOLS[name].hint} ${KEYS}`;
+  find('#hint').replaceChildren(TOOLS[name].hint, html('span', {class: 'keys'}, ` ${KEYS}`));
   find('#tools .options').replaceChildren(...TOOLS[name].options.map(({name: option, words, least, greatest, step}) => {
     const field = html('input', {type: 'range', min: least, max: greatest, step, value: options[name][option]});
     field.addEventListener('input', () => { options[name][option] = field.valueAsNumber; });

@@ -24,7 +24,7 @@ function route() {
   document.title = `${TITLES[/** @type {keyof typeof TITLES} */ (step)]} – RIOT studio`;
   find('#start').hidden = step !== 'start';
   find('#work').hidden = !STAGED.includes(step);
-  find('#tools').hidden = step !== 'edit';
+  for (const tool of ['#tools', '#hint']) find(tool).hidden = step !== 'edit';
   find('#make').hidden = step !== 'make';
   for (const name of STAGED) find(`#${name}`).hidden = name !== step;
   if (step !== state.step) scrollTo(0, 0);

@@ -78,14 +78,18 @@ function complain(words) {
 async function show(message) {
   const failures = message.findings.filter(({severity}) => severity === 'failure').length;
   say(message.passed ? 'The parts are built, and every check holds.' : `The parts are built; ${failures} checks fail.`);
-  const changes = message.changes.map(words => html('li', {}, html('span', {class: 'severity'}, 'changed'), html('span', {class: 'grow'}, words)));
+  const changes = message.changes.map(words =>
+    html('li', {}, html('span', {class: 'severity'}, 'changed'), html('span', {class: 'grow'}, words.replace(/^[a-z_]+/, titled))));
   const verdict = html('li', {class: message.passed ? null : 'failure'}, html('b', {}, message.passed ? 'Every check holds.' : 'It does not hold yet.'));
   find('#findings').replaceChildren(verdict, ...changes, ...message.findings.map(finding));
   find('#parts').replaceChildren(...message.parts.map(part => html('li', {},
     html('span', {class: 'grow'}, `${part.count > 1 ? `${part.count} × ` : ''}${part.name.replaceAll('-', ' ')}`),
     html('span', {class: 'note'}, `${part.size_mm.map(size => size.toFixed(1)).join(' × ')} mm`))));
   files();
+  const busy = 'Loading the parts…';
+  change({busy});
   await solids(message);
+  if (state.busy === busy) change({busy: ''});
 }
 
 /** @param {Pick<import('./types.js').Finding, 'severity' | 'piece' | 'words' | 'parameter' | 'value'>} one */

@@ -11,6 +11,7 @@ import {beginPartners} from './partners.js';
 
 const PICTURES = '.png,.jpg,.jpeg,.gif,.bmp,.tif,.tiff,.svg,.riot';
 const NAMES = {p: 'First shape', q: 'Second shape'};
+const touched = matchMedia('(pointer: coarse)');
 const SIDES = /** @type {Side[]} */ (['p', 'q']);
 
 /** @type {Record<Side, {box: HTMLElement, figure: Figure, name: HTMLElement, bad: HTMLElement, pick: HTMLButtonElement}>} */
@@ -164,7 +165,7 @@ function show() {
   find('#onward').hidden = !both || !state.session?.transform;
   find('#start-note').textContent = both ? '' : session?.collection
     ? 'Drop pictures anywhere on this page, choose files, or pick from the collection below.'
-    : 'Drop one or two pictures anywhere on this page: PNG, JPEG, SVG, or a photo with a plain background.';
+    : `${touched.matches ? 'Choose two pictures' : 'Drop one or two pictures anywhere on this page'}: PNG, JPEG, SVG, or a photo with a plain background.`;
 }
 
 /** Links to pieces of work that are saved. */
