@@ -61,6 +61,9 @@ def keep_stretch(
     >>> len(kept.pins.p), kept.reason
     (1, '')
     """
+    whole = _with(pins, side, [stored(points)])
+    if _missed(dissected, side, whole) is None:
+        return PinnedStretch(whole, np.empty((0, 2)), "")
     dissection, outer, name = dissected.facing(side)
     outline = PlacedOutline(dissection, outer, dissection.arcs)
     wanted, places = _samples(outline, kept_sections(outline, Pin(points), f"the stretch to be kept of {name}"))
