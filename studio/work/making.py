@@ -25,6 +25,9 @@ from studio.work.settings import Value
 PARTS, PUZZLE, RESULT = "parts", "puzzle", "made.json"
 """In the folder of a make: every part as STL, also of one that fails; all files of one that passes; what was found."""
 
+VERSION = 2
+"""Of what is kept of a make."""
+
 _PIECE = re.compile(r"\bpiece-(\d+)\b")
 _HINGE = re.compile(r"\bhinge (\d+)\b")
 
@@ -41,7 +44,7 @@ class Finding(Struct, frozen=True):
 
 
 class PartFacts(Struct, frozen=True):
-    """A part, how many there are, its size and volume."""
+    """A part, how many there are, its size and volume, and whether its STL file is turned over: it is printed so."""
 
     name: str
     kind: str
@@ -49,6 +52,7 @@ class PartFacts(Struct, frozen=True):
     count: int
     size_mm: list[float]
     volume_mm3: float
+    upside_down: bool
 
 
 class Puzzle(Struct, frozen=True):
@@ -69,7 +73,7 @@ def make_key(digest: str, settings: Mapping[str, Value], mend: bool) -> str:
     >>> len(make_key("1f", {}, False))
     32
     """
-    return digest_of(json.encode([digest, sorted(settings.items()), mend]))
+    return digest_of(json.encode([VERSION, digest, sorted(settings.items()), mend]))
 
 
 def make_puzzle(files: Files, digest: str, settings: Mapping[str, Value], mend: bool, folder: Path) -> Puzzle:
@@ -130,7 +134,7 @@ def _write_paper(puzzle: BuiltPuzzle, folder: Path) -> None:
 def _facts(part: Part) -> PartFacts:
     piece, _ = _place(part.name)
     size = [round(length, 3) for length in part.size]
-    return PartFacts(part.name, part.kind, piece, part.count, size, round(part.volume, 3))
+    return PartFacts(part.name, part.kind, piece, part.count, size, round(part.volume, 3), part.upside_down)
 
 
 def _findings(puzzle: BuiltPuzzle) -> Iterator[Finding]:

@@ -75,6 +75,12 @@ def test_from_two_pictures_to_parts(fresh: Any, files: tuple[Path, Path]) -> Non
     page.locator("#findings b", has_text=re.compile("holds|does not hold")).wait_for()
     page.locator(".labels li").nth(len(transform) - 1).wait_for()
     assert page.locator("#parts li", has_text="piece").count() == len(transform)
+    turned = """import('/static/js/stl.js').then(({turnedOver}) => {
+        const corner = {positions: new Float32Array([1, 2, 3]), normals: new Float32Array([0, 0, 1])};
+        const {positions, normals} = turnedOver(corner, 9);
+        return [...positions, ...normals];
+    })"""
+    assert page.evaluate(turned) == [1, -2, 6, 0, 0, -1]  # how parts that are printed upside down are shown
     sizes = [float(size) for size in re.findall(r"([\d.]+) ×", page.inner_text("#parts"))]
     assert sizes and max(sizes) < 100.0
     answer = page.request.get(page.locator("#files a", has_text="zip").evaluate("link => link.href"))

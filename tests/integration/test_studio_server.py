@@ -9,7 +9,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import shapely
 from PIL import Image, ImageDraw
 from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
@@ -25,6 +27,8 @@ ORIGIN = f"http://127.0.0.1:{PORT}"
 SOCKETS = f"ws://127.0.0.1:{PORT}/ws"
 HOUSE = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 2L2 0L4 2V5H0Z"/></svg>'
 KITE = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 3L-2 6L0 8L2 6Z"/></svg>'
+
+STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def client_of(root: Path, run: Path | None = None) -> TestClient:
@@ -362,12 +366,20 @@ def test_a_puzzle_is_made_certified_and_downloaded(client: TestClient, session: 
     pytest.importorskip("manifold3d")
     with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
         tab = Tab(socket)
-        given(client, session, tab)
+        scene = given(client, session, tab)
         told = tab.ask("made", "made_not", type="make", settings={"size_mm": 5.0})
         assert told["type"] == "problem" and "size_mm" in told["words"]
         made = tab.ask("made", "made_not", type="make", settings={"size_mm": 150.0}, fix=True)
         assert made["passed"] and {part["kind"] for part in made["parts"]} >= {"piece"}
         assert all(finding["severity"] != "failure" for finding in made["findings"])
+        pieces = [part for part in made["parts"] if part["kind"] == "piece"]
+        assert {part["upside_down"] for part in pieces} == {False, True}
+        for part in pieces:  # as the file says, turned over, it is the piece that is shown
+            outline = made["scale"] * np.array(scene["pieces"][part["piece"]]["outline"]).reshape(-1, 2)
+            data = np.frombuffer(client.get(part["url"]).content[84:], dtype=STL)["corners"].reshape(-1, 3)
+            flat = data[:, :2] * ([1.0, -1.0] if part["upside_down"] else [1.0, 1.0])
+            body = shapely.MultiPoint(flat).convex_hull
+            assert body.symmetric_difference(shapely.Polygon(outline).convex_hull).area < 0.2 * body.area
         part = made["parts"][0]
         stl = client.get(part["url"])
         archive = client.get(f"/api/sessions/{session}/download/stl", params={"make": made["key"]})

@@ -143,9 +143,10 @@ async function solids({parts, scale, thickness, findings}) {
   let right = Math.min(...scene.p.input.filter((_, k) => k % 2 === 0)) * scale;
   viewer.clear();
   for (const {part, stl} of bodies) {
+    const over = part.upside_down ? part.size_mm[2] : undefined;
     if (part.piece !== null && part.kind === 'piece') {
       const k = part.piece, colour = rgb(style.getPropertyValue(`--c${scene.pieces[k].colour}`));
-      viewer.add(part.name, stl, colour, {x: pose.x[k] * scale, y: pose.y[k] * scale, turn: pose.turn[k], height: 0});
+      viewer.add(part.name, stl, colour, {x: pose.x[k] * scale, y: pose.y[k] * scale, turn: pose.turn[k], height: 0}, over);
     } else {
       const [width, depth] = part.size_mm;
       viewer.add(part.name, stl, PLAIN, {x: right + width / 2, y: lowest - ROW_GAP - depth, turn: 0, height: 0});

@@ -20,6 +20,16 @@ export function readStl(bytes) {
 }
 
 /**
+ * A part that is printed upside down, as it lies in the puzzle: turned around the x-axis, from z = 0 up.
+ * @param {{positions: Float32Array, normals: Float32Array}} part
+ * @param {number} height in mm
+ */
+export function turnedOver({positions, normals}, height) {
+  const turned = (/** @type {Float32Array} */ list, /** @type {number} */ up) => list.map((value, k) => [value, -value, up - value][k % 3]);
+  return {positions: turned(positions, height), normals: turned(normals, 0)};
+}
+
+/**
  * @param {Float32Array} list
  * @param {number} a
  * @param {number} b

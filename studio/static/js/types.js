@@ -96,6 +96,7 @@
  * @property {number | null} piece
  * @property {number} count
  * @property {number[]} size_mm
+ * @property {boolean} upside_down whether its STL file is turned over
  * @property {string} url
  *
  * @typedef {object} Made

@@ -3,7 +3,7 @@
  * more than all of this page; shaded triangles that are turned and come nearer need what is here.
  */
 
-import {readStl} from './stl.js';
+import {readStl, turnedOver} from './stl.js';
 
 const VERTEX = `attribute vec3 position, normal; uniform mat4 view; uniform vec4 place; uniform float height; varying vec3 n;
 void main() {
@@ -49,9 +49,11 @@ export class Viewer {
    * @param {ArrayBuffer} stl
    * @param {number[]} colour
    * @param {Place} place
+   * @param {number} [over] the height of a part that is printed upside down
    */
-  add(name, stl, colour, place) {
-    const {positions, normals} = readStl(stl), low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  add(name, stl, colour, place, over) {
+    const printed = readStl(stl), {positions, normals} = over === undefined ? printed : turnedOver(printed, over);
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     positions.forEach((value, k) => {
       low[k % 3] = Math.min(low[k % 3], value);
       high[k % 3] = Math.max(high[k % 3], value);
