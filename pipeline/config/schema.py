@@ -75,6 +75,13 @@ class QcrsConfig(ParameterGroup):
     sigma_area: float | None = parameter(
         None, above=0, unit="areas", source="paper §5.2", meaning="Width of the area term; null = the variant's own."
     )
+    epsilon: float | None = parameter(
+        None,
+        at_least=0,
+        unit="score in [0, 1]",
+        source="ours",
+        meaning="By how much a score may be too low, to be found sooner; null = the variant's own, 0: exact.",
+    )
     mode: QcrsMode = parameter(
         "all",
         meaning="all: every pair is scored and tabulated. topk: only those among the k best partners of either shape, "

@@ -46,11 +46,12 @@ class Forest(NamedTuple):
 
 
 class Scale(NamedTuple):
-    """σ_E, σ_∠ and σ_A in absolute units, the greatest rounding error of a bound in single precision, and how many
-    times as far as the last partner a search looks for promising trunks."""
+    """σ_E, σ_∠ and σ_A in absolute units, the greatest rounding error of a bound in single precision, how many times as
+    far as the last partner a search looks for promising trunks, and by how much a score may be too low."""
 
     edge: float
     angle: float
     area: float
     slack: float
     margin: float
+    epsilon: float

@@ -1,6 +1,7 @@
 """The nearest trunks of two shapes: the search of QCRS (theory §6; the bounds are ours).
 
-The search gives the distance D and the winner of `riot.kernels.pairs`, exactly. It goes from coarse to fine:
+The search gives the distance D and the winner of `riot.kernels.pairs`, exactly if `Scale.epsilon` is 0. It goes from
+coarse to fine:
 
 1. distances between boxes around leaves of 16 similar trunks (`_row`), and of their trunks from a box (`_beside`);
 2. distances between the features of trunks, sixteen at a time (`_mask`);
@@ -20,6 +21,7 @@ A `riot.kernels.forest.Forest` has the data that the search reads.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
@@ -261,6 +263,18 @@ def _improve(tops: FloatArray, old: float, new: float) -> None:
 
 
 @inner
+def _reach(worst: float, limit: float, epsilon: float) -> float:
+    """How far a search looks that has found partners up to the distance ``worst``, if that is less than its ``limit``.
+
+    What is farther scores less than exp(−worst²/2) + ε: the search loses at most ε of any score.
+    """
+    if epsilon == 0.0 or worst >= limit:
+        return worst
+    score = math.exp(-0.5 * worst * worst) + epsilon
+    return math.sqrt(-2.0 * math.log(score)) if score < 1.0 else 0.0
+
+
+@inner
 def _sort(values: IntArray, count: int) -> None:
     """Sort the first ``count`` values, ascending (Shell's method)."""
     gap = 1
@@ -289,7 +303,7 @@ class SearchBuffers(NamedTuple):
 
 @inner
 def _nearest(
-    i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, lone: bool, apart: Single,
+    i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, lone: bool, most: float, apart: Single,
     owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array, nearest: FloatArray,
 ) -> None:  # fmt: skip
     """For every owner of trunks of shape j, find the one nearest to a trunk of shape i, if the owner may be among the
@@ -298,7 +312,8 @@ def _nearest(
     If not ``lone``, j is a cell, and the leaves of shape i that are too far ``apart`` from it are passed over.
 
     ``owners`` (t,) are the owners of b's trunks. ``tops`` (k,) are the least distances of k owners so far, ascending;
-    the search reaches as far as the last, times the margin of the scale. For every owner ``bests`` becomes D,
+    the search reaches as far as the last, times the margin of the scale, or as `_reach` says once that is below
+    ``most``, with which it began. For every owner ``bests`` becomes D,
     ``winners`` (T, T', shift) with trunks numbered among all, and ``met`` 1 where D of two trunks was computed.
     ``nearest`` (a's trunks,) becomes the least D of every trunk that is within reach of another. An owner whose entry
     of ``bests`` is below 0 counts for nothing.
@@ -312,7 +327,8 @@ def _nearest(
     eb, ab, bb, wb = b.edges, b.alphas, b.betas, b.areas
     bounds, least, rows, order, box = buffers.bounds, buffers.least, buffers.rows, buffers.order, buffers.box
     sigma_edge, sigma_angle, sigma_area, slack = scale.edge, scale.angle, scale.area, scale.slack
-    reach = scale.margin * tops[-1]
+    margin, epsilon = scale.margin, scale.epsilon
+    reach = margin * _reach(tops[-1], most, epsilon)
     area = np.float32(2.0 / sigma_area)
     limit = np.float32(np.float32(reach + slack)).view(np.int32)
     count, first_leaf = 0, leaves_a[groups_a[i]]
@@ -413,7 +429,7 @@ def _nearest(
                                 _improve(tops, bests[o], far)
                                 bests[o] = far
                                 winners[o, 0], winners[o, 1], winners[o, 2] = t, u, s
-                                reach = scale.margin * tops[-1]
+                                reach = margin * _reach(tops[-1], most, epsilon)
                                 if sweep == 1:
                                     near = np.float32(reach + slack)
                     enough = np.int32(-1) if sweep == 0 else np.float32(near).view(np.int32)
@@ -431,13 +447,17 @@ def _search(
     Otherwise the pairs share ``tops``, ``bests`` and ``winners``, and the search ends at the first pair whose limit is
     greater than the last of ``tops``. One kernel does both, since most of the compiler's work is `_nearest`.
     """
+    most = tops[-1]
     for k in range(pairs.shape[0]):
         if lone:
+            most = limits[k]
             tops[0], bests[0], winners[0, 0] = limits[k], np.inf, -1
             winners[0, 1] = winners[0, 2] = -1
-        elif limits[k] > scale.margin * tops[-1] + scale.slack:
+        elif limits[k] > scale.margin * _reach(tops[-1], most, scale.epsilon) + scale.slack:
             break
-        _nearest(pairs[k, 0], a, pairs[k, 1], b, scale, buffers, lone, far, owners, tops, bests, winners, met, nearest)
+        _nearest(
+            pairs[k, 0], a, pairs[k, 1], b, scale, buffers, lone, most, far, owners, tops, bests, winners, met, nearest
+        )  # fmt: skip
         if lone:
             out[k] = bests[0]
             for c in range(3):
@@ -531,8 +551,16 @@ def warm() -> None:
         ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, area,
     )  # fmt: skip
     out, winners = np.empty(1), np.empty((1, 3), np.int32)
-    block(np.zeros((1, 2), np.int64), forest, forest, Scale(0.1, 0.5, 0.1, 1e-4, 1.0), np.full(1, np.inf), out, winners)
+    block(
+        np.zeros((1, 2), np.int64),
+        forest,
+        forest,
+        Scale(0.1, 0.5, 0.1, 1e-4, 1.0, 0.0),
+        np.full(1, np.inf),
+        out,
+        winners,
+    )
     crowns, met = np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.zeros(1, np.int32)
     partners(
-        0, forest, forest, met, crowns, Scale(0.1, 0.5, 0.1, 1e-4, 1.0), np.ones(1), np.ones(1), winners, met, area
+        0, forest, forest, met, crowns, Scale(0.1, 0.5, 0.1, 1e-4, 1.0, 0.0), np.ones(1), np.ones(1), winners, met, area
     )

@@ -20,6 +20,13 @@ class QcrsParameters(ParameterGroup):
         math.pi / 6, above=0, unit="rad", source="paper §5.2", meaning="Width of the angle term."
     )
     sigma_area: float = parameter(0.1, above=0, unit="areas", source="paper §5.2", meaning="Width of the area term.")
+    epsilon: float = parameter(
+        0.0,
+        at_least=0,
+        unit="score in [0, 1]",
+        source="ours",
+        meaning="By how much a score may be too low, to be found sooner. 0: scores are exact.",
+    )
 
 
 QcrsVariant = Literal["paper", "tuned"]

@@ -145,7 +145,8 @@ def best_partners(
     """For every shape of ``query`` the ``count`` best partners in the index that score above 0 and at least ``least``.
 
     ``itself`` gives the number of every query shape in the index, which is no partner, or −1. In the
-    scores, i numbers the query's shapes and j the index's. Exact; among equals the first by (j; trunks; shift).
+    scores, i numbers the query's shapes and j the index's. Exact; among equals the first by (j; trunks; shift). With
+    ``parameters.epsilon`` partner number k may score that much less than the true one of this number.
     ``margin`` says how many times as far as the last partner a trunk of another shape may be from a promising one.
     Raises ValueError if ``count`` < 1.
 

@@ -56,7 +56,12 @@ def score_block(
     same: bool = False,
     least: float = 0.0,
 ) -> BlockScores:
-    """QCRS of every shape of ``a`` with every shape of ``b``, exact; ``same``: only i < j, of one stack with itself.
+    """QCRS of every shape of ``a`` with every shape of ``b``; ``same``: only i < j, of one stack with itself.
+
+    Exact, or with ``parameters.epsilon`` at most that much too low: a search that has found the distance D passes over
+    trunks that are, by a lower bound, farther than D', where exp(−D'²/2) = exp(−D²/2) + ε. What it passes over scores
+    less than ε above what it has then, and that only rises. (Fewer trunks, near copies of one another being merged,
+    would lose as little by the triangle inequality of D, but smooth outlines have hardly any so near: ours.)
 
     Pairs come in order (i, j). Among trunk pairs of equal score the first by (trunk_i, trunk_j, shift) is reported. Of
     pairs that score below ``least`` no more than that need be known: theirs may be reported as 0, without trunks.
@@ -197,4 +202,6 @@ def scale_of(a: TrunkStack, b: TrunkStack, parameters: QcrsParameters, margin: f
     sigma_edge, sigma_angle, sigma_area = parameters.sigma_e * D_C, parameters.sigma_angle, parameters.sigma_area
     edge, angle, corners = map(max, a.extremes, b.extremes)
     greatest = 2.0 * (edge / sigma_edge + angle / sigma_angle + 2.0 / sigma_area)
-    return Scale(sigma_edge, sigma_angle, sigma_area, 2.0**-24 * (2 * corners + 16) * greatest, margin)
+    return Scale(
+        sigma_edge, sigma_angle, sigma_area, 2.0**-24 * (2 * corners + 16) * greatest, margin, parameters.epsilon
+    )

@@ -184,7 +184,7 @@ def test_which_pairs_are_scored_is_no_part_of_the_keys_of_scores(root: Path, tmp
     usual, changed = planned(root, tmp_path, "qcrs"), planned(root, tmp_path, "qcrs", k=3)
     assert [item.key for item in usual.work["qcrs"]] == [item.key for item in changed.work["qcrs"]]
     assert usual.recipes["qcrs"].values == {"qcrs": usual.recipes["qcrs"].values["qcrs"]}
-    assert set(usual.recipes["qcrs"].values["qcrs"]) == {"sigma_e", "sigma_angle", "sigma_area"}
+    assert set(usual.recipes["qcrs"].values["qcrs"]) == {"sigma_e", "sigma_angle", "sigma_area", "epsilon"}
     first, second = (planned(root, tmp_path, "partners", mode="topk", k=k) for k in (20, 3))
     assert [item.key for item in first.work["shards"]] == [item.key for item in second.work["shards"]]
     assert not {item.key for item in first.work["partners"]} & {item.key for item in second.work["partners"]}

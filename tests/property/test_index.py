@@ -10,10 +10,13 @@ from hypothesis import strategies as st
 from test_pair_scores import SEEDS, random_stack
 
 import riot.scores.index
+from riot.parameters import QcrsParameters
 from riot.scores.index import TrunkIndex, best_pairs, best_partners, join
-from riot.scores.qcrs import BlockScores, brute_force, distance_of, score_block
+from riot.scores.qcrs import BlockScores, brute_force, distance_of, score_block, score_pairs
 from riot.scores.trunk_stack import TrunkStack, chosen, stack
 from riot.scores.trunks import quick_trunks
+
+ROUNDING = 1e-12
 
 NAMES = ("i", "j", "score", "n", "trunk_i", "trunk_j", "shift")
 
@@ -55,6 +58,24 @@ def test_best_pairs_are_those_of_scoring_all(seed: int, count: int) -> None:
     best = best_pairs(TrunkIndex.build([everything]), count)
     assert rows(best.scores, np.arange(len(best.scores.i))) == rows(every, order)
     assert len(best.scores.i) <= best.compared <= len(every.i)
+
+
+@given(SEEDS, st.sampled_from([0.01, 0.1, 0.5, 1.0]), st.booleans())
+@settings(max_examples=15)
+def test_with_epsilon_every_score_is_at_most_that_much_too_low(seed: int, epsilon: float, coarse: bool) -> None:
+    everything, parameters = random_stack(seed, 7, coarse, 50), QcrsParameters(epsilon=epsilon)
+    exact, quick = brute_force(everything, everything), score_block(everything, everything, parameters)
+    assert (quick.score <= exact.score + ROUNDING).all() and (quick.score >= exact.score - epsilon - ROUNDING).all()
+    # Of a pair that scores at least as asked so much is found, however great epsilon is.
+    pairs = np.column_stack([exact.i, exact.j]).astype(np.int64)
+    limited = score_pairs(everything, everything, pairs, parameters, exact.score)
+    assert limited.score == pytest.approx(exact.score, abs=1e-6)
+    index, count = TrunkIndex.build([everything]), 3
+    best = best_partners(index, everything, count, parameters, itself=range(7)).scores
+    for i in range(7):
+        true = np.sort(exact.score[(exact.i == i) & (exact.j != i)])[::-1][:count]
+        found = np.append(best.score[best.i == i], np.zeros(count))[:count]
+        assert (found <= true + ROUNDING).all() and (found >= true - epsilon - ROUNDING).all()
 
 
 def test_cells_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
