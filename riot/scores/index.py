@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from riot.kernels.forest import Forest
 from riot.kernels.leaves import QCRS_LEAF, TILE_LEAVES
-from riot.kernels.search import partners
+from riot.kernels.search import block, partners
 from riot.parameters import QcrsParameters
 from riot.scores.leaves import gather_leaves
 from riot.scores.qcrs import BlockScores, distance_of, scale_of
@@ -26,6 +26,10 @@ from riot.scores.trunk_stack import TrunkStack, lay_out_forest
 
 CELL_LEAVES = 128
 """Leaves of a cell. Ours: any number gives the same result."""
+
+FEW_OTHERS = 2
+"""If a shape has no more than so many times as many others as it wants partners, all are scored. Ours: any number gives
+the same result."""
 
 KEPT_CELL_ARRAYS = ("trunks", "leaves", "groups")
 """Arrays of the cells that are stored; to lay out the others takes less time than to read and check them."""
@@ -208,8 +212,10 @@ def _search(
 ) -> tuple[npt.NDArray[np.float64], int, npt.NDArray[np.int32]]:
     """(k, 6) i, j, D, T, T', shift of the nearest, nearest first; the number of shapes that were compared; and the
     numbers of the promising trunks of shape i."""
-    bests = np.full(len(index), np.inf)
     out = [number for number in not_these if number >= 0]
+    if FEW_OTHERS * count >= len(index):
+        return _score_all(index, query, i, count, parameters, limit, out)
+    bests = np.full(len(index), np.inf)
     bests[out] = -1.0
     winners = np.full((len(index), 3), -1, dtype=np.int32)
     met = np.zeros(len(index), dtype=np.int32)
@@ -225,6 +231,28 @@ def _search(
     of_shape = trunks[query.starts[i] : query.starts[i + 1]]
     promising = np.flatnonzero((of_shape < np.inf) & (of_shape <= margin * tops[-1]))
     return rows.astype(np.float64), int(met.sum()), promising.astype(np.int32)
+
+
+def _score_all(
+    index: TrunkIndex,
+    query: TrunkStack,
+    i: int,
+    count: int,
+    parameters: QcrsParameters | None,
+    limit: float,
+    out: Sequence[int],
+) -> tuple[npt.NDArray[np.float64], int, npt.NDArray[np.int32]]:
+    """As `_search`, by scoring every pair: a search that must find most of the shapes has no limit to prune by."""
+    others = np.setdiff1d(np.arange(len(index)), out)
+    pairs = np.column_stack([np.full(len(others), i), others]).astype(np.int64)
+    distance, winners = np.empty(len(others)), np.empty((len(others), 3), dtype=np.int32)
+    scale = scale_of(query, index.trunks, parameters or QcrsParameters())
+    block(pairs, query.forest, index.trunks.forest, scale, np.full(len(others), limit), distance, winners)
+    there = np.flatnonzero(winners[:, 0] >= 0)
+    near = there[np.lexsort((others[there], distance[there]))][:count]
+    rows = np.column_stack([pairs[near], distance[near], winners[near]])
+    every = np.arange(query.starts[i + 1] - query.starts[i], dtype=np.int32)
+    return rows.astype(np.float64), len(there), every
 
 
 def _collect(query: TrunkStack, rows: Sequence[npt.NDArray[np.float64]]) -> BlockScores:

@@ -37,25 +37,29 @@ def plain_partners(query: TrunkStack, others: TrunkStack, count: int, least: flo
     return BlockScores(*(getattr(every, name)[taken] for name in NAMES))
 
 
-@given(SEEDS, st.integers(1, 9), st.sampled_from([0.0, 0.3, 0.7]), st.booleans())
+@given(SEEDS, st.integers(1, 9), st.sampled_from([0.0, 0.3, 0.7]), st.booleans(), st.sampled_from([0, 2]))
 @settings(max_examples=20)
-def test_best_partners_are_those_of_scoring_all(seed: int, count: int, least: float, coarse: bool) -> None:
+def test_best_partners_are_those_of_scoring_all(seed: int, count: int, least: float, coarse: bool, few: int) -> None:
     # Coarse trunks tie by the dozen. What a tie decides is which distance is less, not which score rounds alike.
     everything = random_stack(seed, 7, coarse, 50)
     index = TrunkIndex.build([everything])
-    best = best_partners(index, everything, count, least=least, itself=range(7)).scores
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(riot.scores.index, "FEW_OTHERS", few)
+        best = best_partners(index, everything, count, least=least, itself=range(7)).scores
     plain = plain_partners(everything, everything, count, least, True)
     assert rows(best, np.arange(len(best.i))) == rows(plain, np.arange(len(plain.i)))
 
 
-@given(SEEDS, st.integers(1, 30))
+@given(SEEDS, st.integers(1, 30), st.sampled_from([0, 2]))
 @settings(max_examples=15)
-def test_best_pairs_are_those_of_scoring_all(seed: int, count: int) -> None:
+def test_best_pairs_are_those_of_scoring_all(seed: int, count: int, few: int) -> None:
     everything = random_stack(seed, 8, False, 50)
     every = brute_force(everything, everything, same=True)
     order = np.lexsort((every.j, every.i, -every.score))
     order = order[every.score[order] > 0][:count]
-    best = best_pairs(TrunkIndex.build([everything]), count)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(riot.scores.index, "FEW_OTHERS", few)
+        best = best_pairs(TrunkIndex.build([everything]), count)
     assert rows(best.scores, np.arange(len(best.scores.i))) == rows(every, order)
     assert len(best.scores.i) <= best.compared <= len(every.i)
 
@@ -79,6 +83,7 @@ def test_with_epsilon_every_score_is_at_most_that_much_too_low(seed: int, epsilo
 
 
 def test_cells_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(riot.scores.index, "FEW_OTHERS", 0)
     everything = stack([quick_trunks(blob(seed, waves=6)) for seed in range(6)])
     best = best_partners(TrunkIndex.build([everything]), everything, 3, itself=range(6))
     monkeypatch.setattr(riot.scores.index, "CELL_LEAVES", 2)
