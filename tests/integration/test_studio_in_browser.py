@@ -44,6 +44,9 @@ WAY_OF_A_PIECE = """view => {
 """Where the middle of a piece is on the screen in the picture of a shape, and where it would be as in the chain."""
 
 
+TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
 def test_from_two_pictures_to_parts(fresh: Any, files: tuple[Path, Path]) -> None:
     page = fresh
     give_both(page, files)
@@ -141,6 +144,7 @@ def test_a_piece_of_either_shape_swings_by_pointer_and_finger_and_goes_back(
             page.mouse.down()
         for point in way[1:]:
             touch("Move", point) if by_finger else page.mouse.move(**point)
+        page.evaluate(TWO_FRAMES)  # moves are handled once a frame
         assert abs(float(slider.input_value()) - rest) > 0.1
         assert shown(page, view) == shown(page) != assembled
         touch("End") if by_finger else page.mouse.up()
