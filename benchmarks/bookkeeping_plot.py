@@ -21,6 +21,7 @@ FIGURES: Mapping[str, tuple[str, str, Callable[[Row], float]]] = {
     "plan, MB": ("plan", "MB", lambda row: row["peak_mb"]),
     "worker, MB": ("preselect", "MB", lambda row: row["peak_mb"]),
     "driver, MB": ("select", "MB", lambda row: row["peak_mb"]),
+    "table, MB": ("tables", "MB", lambda row: row["peak_mb"]),
 }
 """What is shown: of which step, in which panel, and which of its numbers."""
 
@@ -37,9 +38,9 @@ def table(rows: Sequence[Row]) -> str:
     """The figures as a table of Markdown, a row for each size."""
     columns = {name: values for name, values in figures(rows).items() if values}
     sizes = sorted({row["shapes"] for row in rows})
-    head = ["| shapes |", *(f" {name} |" for name in columns), "\n|---:|", *("---:|" for _ in columns)]
+    head = ["| shapes | pairs |", *(f" {name} |" for name in columns), "\n|---:|---:|", *("---:|" for _ in columns)]
     lines = [
-        f"\n| {size:,} |"
+        f"\n| {size:,} | {size * (size - 1) // 2:,} |"
         + "".join(f" {_number(values[size])} |" if size in values else " |" for values in columns.values())
         for size in sizes
     ]
