@@ -51,6 +51,8 @@ from riot.transform.transform import Transform
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """See `riot.cli.command.CommandModule`."""
     wishes = wishes_of(chosen)
+    if ".mp4" in wishes.films:
+        film_writer()
     shapes = read_inputs(chosen.a, chosen.b)
     doubts = [
         doubt
@@ -76,8 +78,6 @@ def make(
     # What can be known is told before the long work.
     if wishes.pictures and "q" in wishes.pictures and wishes.mirror_q == "no":
         output.note("B's colours are on the back, where they are seen mirrored: --mirror-q has them read there")
-    if ".mp4" in films:
-        film_writer()
     a, b = shapes
     check_folder(folder, replace_files=True)
     check_files([folder / f"{name}{suffix}" for suffix in (*SUFFIXES, *films)], replace_files=wishes.replace_files)
