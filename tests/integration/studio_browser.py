@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -77,7 +78,13 @@ def give_both(page: Any, files: tuple[Path, Path]) -> None:
     page.set_input_files("#file-p", files[0])
     page.set_input_files("#file-q", files[1])
     page.wait_for_url("**/*#look")
+    planned(page)
+
+
+def planned(page: Any) -> None:
+    """Wait for how the exact transform moves; nothing on the page changes, nor shifts, by itself after that."""
     exact(page)
+    page.locator("#certificate", has_text=re.compile("swings|needs")).wait_for()
 
 
 def exact(page: Any) -> None:
