@@ -7,8 +7,9 @@ shape's best partners.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -126,7 +127,7 @@ def find_all(
 ) -> Artifact:
     """`find` of a query of several batches: ``rows``, ``least`` and ``few`` number its shapes through all of them."""
     found = []
-    for stack, start in _with_starts(stacks):
+    for stack, start in zip(stacks, accumulate(map(len, stacks), initial=0), strict=False):
         here = range(max(rows.start - start, 0), min(rows.stop - start, len(stack)))
         if len(here) == 0:
             continue
@@ -137,13 +138,6 @@ def find_all(
         shift["promising"] = shift["promising"].astype(np.int32)
         found.append(Artifact({**artifact.arrays, **shift}, artifact.document))
     return join(found)
-
-
-def _with_starts(stacks: Sequence[TrunkStack]) -> Iterator[tuple[TrunkStack, int]]:
-    start = 0
-    for stack in stacks:
-        yield stack, start
-        start += len(stack)
 
 
 def find(
@@ -251,10 +245,8 @@ def search_item(
 ) -> WorkItem:
     """The work item of a search in ``shards``, which reads ``more``; ``block`` numbers the query and the target."""
     recipe = progress.recipes[stage]
-    batches, searched = (
-        [progress.work["trunks"][b] for b in query.batches],
-        [progress.work["shards"][s] for s in shards],
-    )
+    batches = [progress.work["trunks"][b] for b in query.batches]
+    searched = [progress.work["shards"][s] for s in shards]
     sources = [*batches, *searched, *more]
     return recipe.item(
         recipe.parts([source.key for source in sources], search),

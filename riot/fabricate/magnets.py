@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -17,13 +17,12 @@ import shapely
 from riot.errors import FabricationError
 from riot.fabricate.model import HingeEnd, printed_upside_down
 from riot.fabricate.outlines import disc
-from riot.fabricate.pocket import Bore, Pocket, Side, box_at, make_bore
+from riot.fabricate.pocket import Bore, Pocket, Side, box_at, make_bore, smaller_magnet
 from riot.fabricate.tuning import (
     GRID_MM,
     HEIGHT_DIGITS,
     MAGNET_RECESS_MM,
     MAGNET_STEP_MM,
-    MAGNETS_MM,
     OUTLINE_SPARE_MM,
     POCKET_MOUTH_MM,
     SAME_WALL_MM,
@@ -190,9 +189,8 @@ def _apart(first: _Seat, second: _Seat, bore: Bore) -> bool:
 
 def _refusal(problem: str, both: Mapping[Side, _Shut], parameters: FabricationParameters) -> FabricationError:
     """Of magnets for which there is no place; tells of smaller ones for which there is."""
-    sizes = [size for size in reversed(MAGNETS_MM) if size < parameters.magnet_mm]
-    smaller = (size for size in sizes if not isinstance(_best(both, replace(parameters, magnet_mm=size)), str))
-    way = next((f"take smaller ones (magnet_mm={size:g}), " for size in smaller), "")
+    fitting = smaller_magnet(parameters, lambda smaller: not isinstance(_best(both, smaller), str))
+    way = "" if fitting is None else f"take smaller ones (magnet_mm={fitting:g}), "
     return FabricationError(
         "magnet",
         f"magnet_mm: no place for magnets of {parameters.magnet_mm:g} × {parameters.magnet_height_mm:g} mm at the open "

@@ -7,7 +7,7 @@ flatter than other slopes, so that it prints without supports.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import count, groupby
 from typing import Literal
@@ -140,9 +140,8 @@ def make_bore(parameters: FabricationParameters, *, alike: bool) -> Bore:
     while bore is None and thicker.height < greatest:
         thicker = replace(thicker, thickness_mm=round(thicker.height + parameters.layer_mm, 9))
         bore = _bore(thicker, alike)
-    smaller = (size for size in reversed(MAGNETS_MM) if size < parameters.magnet_mm)
-    fitting = (size for size in smaller if _bore(replace(parameters, magnet_mm=size), alike) is not None)
-    way = next((f", or take smaller magnets (magnet_mm={size:g})" for size in fitting), "")
+    fitting = smaller_magnet(parameters, lambda smaller: _bore(smaller, alike) is not None)
+    way = "" if fitting is None else f", or take smaller magnets (magnet_mm={fitting:g})"
     raise FabricationError(
         "thin",
         f"thickness_mm: pieces of {parameters.height:g} mm are too thin for a magnet of {parameters.magnet_mm:g} mm on "
@@ -150,6 +149,12 @@ def make_bore(parameters: FabricationParameters, *, alike: bool) -> Bore:
         "thickness_mm",
         thicker.height,
     )
+
+
+def smaller_magnet(parameters: FabricationParameters, fits: Callable[[FabricationParameters], bool]) -> float | None:
+    """Diameter of the largest usual magnet, mm, that is smaller than what is asked for and fits; None if none does."""
+    sizes = (size for size in reversed(MAGNETS_MM) if size < parameters.magnet_mm)
+    return next((size for size in sizes if fits(replace(parameters, magnet_mm=size))), None)
 
 
 def _bore(parameters: FabricationParameters, alike: bool) -> Bore | None:
