@@ -14,9 +14,9 @@ FIRST = 6
 def first_transforms(rows: Sequence[TransformRow]) -> list[TransformRow]:
     """Up to `FIRST` of ``rows`` that can swing, of as many different things as there are.
 
-    What is taken next shows the fewest things that are shown already (a thing is a class, or a shape without one);
-    among those it has the fewest of classes that a number names, such as "device3", since nobody can see whether a
-    device 3 looks like one; among those it swings flat; and then surprise times margin counts: one thing becomes quite
+    What is taken next has the fewest things that are shown already (a thing is a class, or a shape without one) or of a
+    class with a number in its name, such as "device3", since nobody can see whether a device 3 looks like one; among
+    those it swings flat; and then surprise times margin counts: one thing becomes quite
     another, and both are recognised. Without surprise and margin the rank counts. Approximate transforms, which have no
     motion, are left out.
     """
@@ -27,8 +27,7 @@ def first_transforms(rows: Sequence[TransformRow]) -> list[TransformRow]:
         best = min(
             waiting,
             key=lambda row: (
-                len(_things(row) & things),
-                _numbered(row),
+                len(_things(row) & things) + _numbered(row),
                 row.swings_flat is False,
                 -_worth(row),
                 row.rank,
@@ -45,7 +44,7 @@ def _things(row: TransformRow) -> set[str]:
 
 
 def _numbered(row: TransformRow) -> int:
-    return sum(kind[-1:].isdigit() for kind in (row.class_p, row.class_q))
+    return sum(any(map(str.isdigit, kind)) for kind in (row.class_p, row.class_q))
 
 
 def _worth(row: TransformRow) -> float:
