@@ -38,17 +38,19 @@ _PIECES = (3, 4, 4, 5)
 
 _SYMBOLS: dict[str, str] = {
     "animal": "mouse 🐭 cow 🐮 cat 🐱 monkey 🐵",
-    "arrow": "right ➡ double ⬌ head ➤ round ➜ wedge-tailed ➽ swooping ➥ drafted ➛ circled ➲ feathered ➳ teardrop ➻",
+    "arrow": "right-arrow ➡ double-arrow ⬌ head ➤ round-arrow ➜ wedge-tailed-arrow ➽ swooping-arrow ➥ "
+    "drafted-arrow ➛ circled-arrow ➲ feathered-arrow ➳ teardrop-arrow ➻",
     "card": "spade ♠ heart ♥ diamond ♦ club ♣",
     "chess": "king ♚ queen ♛ rook ♜ bishop ♝ knight ♞ pawn ♟",
-    "cross": "greek ✚ club-spoked ✤ balloon-spoked ✣ multiplication ✖ ballot ✘",
+    "cross": "greek-cross ✚ club-spoked-cross ✤ balloon-spoked-cross ✣ multiplication-sign ✖ ballot-cross ✘",
     "flower": "florette ✿ clover ☘ lily ⚜ floral-heart ❦ flower ⚘ pinwheel ❃ petalled ❋",
-    "hand": "pointing ☛ raised ☝ victory ✌ writing ✍",
+    "hand": "pointing-hand ☛ raised-finger ☝ victory-sign ✌ writing-hand ✍",
     "music": "eighth ♪ beamed ♬ flat ♭ sharp ♯",
-    "polygon": "triangle ▲ square ■ pentagon ⬟ hexagon ⬢ circle ● half-disc ◗ parallelogram ▰ piece ☗",
+    "polygon": "triangle ▲ square ■ pentagon ⬟ hexagon ⬢ circle ● half-disc ◗ parallelogram ▰ piece-of-shogi ☗",
     "sign": "mercury ☿ neptune ♆ chiron ⚷ taurus ♉ leo ♌ tick ✔ paragraph ❡",
     "sky": "cloud ☁ moon ☽ lightning ⚡ snowflake ❄",
-    "star": "five ★ four ✦ six ✶ eight ✸ twelve ✹ sixteen ✺ thin ✴",
+    "star": "five-pointed-star ★ four-pointed-star ✦ six-pointed-star ✶ eight-pointed-star ✸ twelve-pointed-star ✹ "
+    "sixteen-pointed-star ✺ thin-star ✴",
     "thing": "telephone ☎ umbrella ☂ anchor ⚓ flag ⚑ aeroplane ✈ wheel ☸ cup ☕ urn ⚱ skull ☠ imp 😈",
     "tool": "scissors ✂ hammers ⚒ swords ⚔ gear ⚙ scales ⚖ alembic ⚗ pencil ✏ nib ✒",
 }
