@@ -12,11 +12,12 @@ class News(Struct, frozen=True, tag_field="type", tag=lambda name: name.lower())
 
 
 class ShapeNews(Struct, frozen=True):
-    """An input; ``shape`` is its number in the collection, if it is of it."""
+    """An input; ``shape`` is its number in the collection, if it is of it; ``colours``: its picture has several."""
 
     name: str
     outline: list[float]
     shape: int | None = None
+    colours: bool = False
 
 
 class SnapshotNews(Struct, frozen=True):

@@ -29,6 +29,8 @@ async def put_file(session: LiveSession, side: Side, data: bytes, name: str) -> 
         await _open(session, data, name)
         return ()
     shape = await session.workers.live.run(read_shape, data, name)
+    if shape.colours:
+        session.folder.put_picture(shape.digest, data)
     await put_shape(session, side, shape)
     return shape.doubts
 

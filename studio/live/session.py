@@ -16,12 +16,13 @@ from studio.live.drafts import Latest
 from studio.live.jobs import Jobs, Work
 from studio.live.tabs import Send, Tabs
 from studio.live.view import View, documents
-from studio.messages import Choose, EditRequest, Pieces, RequestError, Swap
+from studio.messages import Choose, EditRequest, Pieces, RequestError, Side, Swap
 from studio.session.folder import SessionFolder
 from studio.session.history import History
 from studio.work.answer import Answer
 from studio.work.change import change
 from studio.work.moving import plan_swing
+from studio.work.textures import textures
 from studio.work.workers import Workers
 
 LOG = logging.getLogger(__name__)
@@ -114,6 +115,16 @@ class LiveSession:
         """Have the motion of a transform planned, if it is not."""
         if b'"planned":true' not in await self.view.scene(digest):
             self.jobs.start("motion", self.told(0, self._plan_motion(digest)))
+
+    async def textures(self, digest: str) -> bytes:
+        """`studio.work.textures.textures` of the transform that is shown; KeyError if it is not this one."""
+        state = self.history.now
+        if digest != state.shown:
+            raise KeyError(digest)
+        inputs: dict[Side, str | None] = {"p": state.p, "q": state.q}
+        pictures = {side: self.folder.picture(shape) for side, shape in inputs.items() if shape is not None}
+        given = {side: data for side, data in pictures.items() if data is not None}
+        return await self.workers.workshop.run(textures, {digest: self.folder.transform(digest)}, digest, given)
 
     async def told(self, seq: int, work: Work) -> None:
         """Await work that was asked for; an error that nobody foresaw is told, too, and logged."""

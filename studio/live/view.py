@@ -92,7 +92,8 @@ class View:
         if digest is None:
             return None
         document = json.decode(self._folder.shape(digest), type=_ShapeDocument)
-        return news.ShapeNews(document.name, [round(value, 5) for point in document.points for value in point], number)
+        outline = [round(value, 5) for point in document.points for value in point]
+        return news.ShapeNews(document.name, outline, number, self._folder.has_picture(digest))
 
     def _put(self, digest: str, data: bytes) -> None:
         self._scenes[digest] = data

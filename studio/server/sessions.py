@@ -37,8 +37,17 @@ async def scene(request: Request) -> Response:
         return refuse(404, "there is no such transform")
 
 
+async def textures(request: Request) -> Response:
+    """Images of the pieces of the transform that is shown."""
+    try:
+        return as_json(Raw(await session_of(request).textures(request.path_params["transform"])))
+    except KeyError:
+        return refuse(404, "this transform is not shown")
+
+
 ROUTES = [
     Route("/api/sessions", list_sessions, methods=["GET"]),
     Route("/api/sessions", new_session, methods=["POST"]),
     Route("/api/sessions/{session}/scene/{transform}", scene, methods=["GET"]),
+    Route("/api/sessions/{session}/textures/{transform}", textures, methods=["GET"]),
 ]

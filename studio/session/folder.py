@@ -44,12 +44,13 @@ def digest_of(data: bytes) -> str:
 
 
 class SessionFolder:
-    """Files of one session: ``session.json``, and by digest ``states``, ``shapes`` and ``transforms``."""
+    """Files of one session: ``session.json``, and by digest ``states``, ``shapes``, ``transforms``, and ``pictures`` of
+    shapes."""
 
     def __init__(self, path: Path) -> None:
         """The folder at ``path``, which is made if it is not there."""
         self.path = path
-        for part in (path, *(path / name for name in ("states", "shapes", "transforms", "make"))):
+        for part in (path, *(path / name for name in ("states", "shapes", "transforms", "pictures", "make"))):
             part.mkdir(mode=0o700, parents=True, exist_ok=True)
 
     @property
@@ -104,6 +105,18 @@ class SessionFolder:
     def put_transform(self, text: bytes, name: str | None = None) -> str:
         """Keep a transform, under a name that it has already if one is given; returns its digest."""
         return self._put("transforms", ".riot", text, name)
+
+    def put_picture(self, shape: str, data: bytes) -> None:
+        """Keep the picture that a shape was read from, under the shape's digest."""
+        self._put("pictures", "", data, shape)
+
+    def picture(self, shape: str) -> bytes | None:
+        """The picture of a shape, if it has one of several colours."""
+        return self._get("pictures", "", shape) if self.has_picture(shape) else None
+
+    def has_picture(self, shape: str) -> bool:
+        """Whether there is a picture of a shape."""
+        return (self.path / "pictures" / shape).exists()
 
     def shape(self, name: str) -> bytes:
         """The document of a shape; KeyError if there is none of this digest."""

@@ -15,18 +15,20 @@ from riot.transform.transform import Transform
 from studio.session.folder import digest_of
 from studio.session.state import State
 from studio.work.answer import Answer, kept
+from studio.work.textures import has_colours
 
 MAX_NAME = 60
 
 
 @dataclass(frozen=True)
 class ShapeFile:
-    """A shape's document, its name, and why its outline may be wrong."""
+    """A shape's document, its name, why its outline may be wrong, and whether its picture has several colours."""
 
     digest: str
     text: bytes
     name: str
     doubts: tuple[str, ...] = ()
+    colours: bool = False
 
 
 def clean_name(name: str) -> str:
@@ -55,8 +57,9 @@ def read_shape(data: bytes, name: str) -> ShapeFile:
             shape = read(path).renamed(plain)
         except SilhouetteError as error:
             raise SilhouetteError(error.reason, str(error).replace(str(path), plain)) from None
+        colours = has_colours(path, shape)
     doubts = () if shape.quality is None else shape.quality.doubts
-    return replace(shape_file(shape_document.to_document(shape)), doubts=doubts)
+    return replace(shape_file(shape_document.to_document(shape)), doubts=doubts, colours=colours)
 
 
 def shape_file(document: dict[str, object]) -> ShapeFile:

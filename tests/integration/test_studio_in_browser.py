@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image, ImageDraw
 from studio_browser import (
     CHAIN,
     P,
@@ -236,3 +237,25 @@ def test_snapshots_stand_side_by_side_and_are_gone_back_to(fresh: Any, files: tu
     page.locator("#undo[title*=restore]").wait_for()
     exact(page)
     assert np.array_equal(downloaded(page).outline_p(), first.outline_p())
+
+
+def test_pieces_wear_the_colours_of_a_picture(fresh: Any, files: tuple[Path, Path], tmp_path: Path) -> None:
+    page, picture = fresh, Image.new("RGB", (240, 240), "white")
+    drawing = ImageDraw.Draw(picture)
+    drawing.polygon([(20, 100), (120, 20), (220, 100), (220, 220), (20, 220)], fill="#d33")
+    drawing.rectangle((80, 120, 160, 180), fill="#33d")
+    picture.save(tmp_path / "house.png")
+    give_both(page, (tmp_path / "house.png", files[1]))
+    images = page.locator(f"{P} .texture image")
+    images.first.wait_for()
+    assert images.count() == page.locator(f"{P} [data-piece]").count()
+    assert page.locator(f"{Q} .texture").count() == 0 and page.locator(f"{CHAIN} .texture").count() == images.count()
+    page.get_by_label("textures").uncheck()
+    assert not images.first.is_visible()
+    page.get_by_label("textures").check()
+    assert images.first.is_visible()
+
+
+def test_without_colours_there_is_no_toggle_for_them(fresh: Any, files: tuple[Path, Path]) -> None:
+    give_both(fresh, files)
+    assert not fresh.get_by_label("textures").is_visible() and fresh.get_by_label("trunk").is_visible()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 import zipfile
@@ -13,7 +14,7 @@ import pytest
 import shapely
 from PIL import Image, ImageDraw
 from starlette.testclient import TestClient
-from studio_client import ORIGIN, SOCKETS, TOKEN, Tab, client, client_of, given, put, session
+from studio_client import KITE, ORIGIN, SOCKETS, TOKEN, Tab, client, client_of, given, put, session
 
 import riot
 from riot.transform.riot_file import from_json, to_json
@@ -208,6 +209,70 @@ def test_a_photo_of_a_shape_is_an_input(client: TestClient, session: str) -> Non
         tab.until("session")
         assert put(client, session, "q", stream.getvalue(), "C:\\my pictures\\egg.jpeg").json() == {"doubts": []}
         assert tab.until("session")["q"]["name"] == "egg"
+
+
+def two_coloured() -> bytes:
+    """A house whose left half is red and whose right half is blue."""
+    picture = Image.new("RGB", (240, 240), "white")
+    drawing = ImageDraw.Draw(picture)
+    drawing.polygon([(20, 100), (120, 20), (120, 220), (20, 220)], fill=(220, 30, 30))
+    drawing.polygon([(120, 20), (220, 100), (220, 220), (120, 220)], fill=(30, 30, 220))
+    stream = io.BytesIO()
+    picture.save(stream, "PNG")
+    return stream.getvalue()
+
+
+def test_pieces_have_the_colours_of_a_picture(client: TestClient, session: str) -> None:
+    with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
+        tab = Tab(socket)
+        put(client, session, "p", two_coloured(), "house.png")
+        put(client, session, "q", KITE, "kite.svg")
+        while (message := tab.until("transform"))["draft"]:
+            pass
+        scene = message["scene"]
+        told = next(message for message in reversed(tab.seen) if message["type"] == "session")
+        assert (told["p"]["colours"], told["q"]["colours"]) == (True, False)
+        address = f"/api/sessions/{session}/textures/{scene['id']}"
+        painted = client.get(address).json()
+        assert set(painted) == {"p"} and len(painted["p"]) == len(scene["pieces"])
+        assert client.get(f"{address[:-1]}{'0' if address[-1] != '0' else '1'}").status_code == 404
+    transform = from_json(client.get(f"/api/sessions/{session}/download/riot").text)
+    pose, red, blue = transform.pose(0.0), [], []
+    for k, texture in enumerate(painted["p"]):
+        with Image.open(io.BytesIO(base64.b64decode(texture["href"].partition(",")[2]))) as image:
+            pixels = np.asarray(image).astype(int)
+        x0, y0, x1, y1 = texture["box"]
+        rows, columns = np.indices(pixels.shape[:2])
+        points = np.column_stack(
+            [
+                x0 + (columns.ravel() + 0.5) * (x1 - x0) / pixels.shape[1],
+                y1 - (rows.ravel() + 0.5) * (y1 - y0) / pixels.shape[0],
+            ]
+        )
+        inside = shapely.contains_xy(shapely.Polygon(transform.pieces[k].polygon).buffer(-0.02), points)
+        x = pose.place(k, points[inside])[:, 0]
+        is_red = pixels.reshape(-1, 3)[inside, 0] > pixels.reshape(-1, 3)[inside, 2]
+        red.append(x[is_red])
+        blue.append(x[~is_red])
+    left, right = np.concatenate(red), np.concatenate(blue)
+    assert len(left) and len(right) and np.quantile(left, 0.99) < np.quantile(right, 0.01) + 0.05
+
+
+def test_a_picture_of_one_colour_gives_no_textures(client: TestClient, session: str) -> None:
+    with client.websocket_connect(f"{SOCKETS}/{session}") as socket:
+        tab = Tab(socket)
+        scene = given(client, session, tab)
+        told = next(message for message in reversed(tab.seen) if message["type"] == "session")
+        assert not told["p"]["colours"] and not told["q"]["colours"]
+        assert client.get(f"/api/sessions/{session}/textures/{scene['id']}").json() == {}
+        flat = Image.new("RGB", (300, 200), "white")
+        ImageDraw.Draw(flat).ellipse((60, 30, 240, 170), fill=(90, 60, 30))
+        stream = io.BytesIO()
+        flat.save(stream, "JPEG", quality=80)
+        put(client, session, "q", stream.getvalue(), "egg.jpeg")
+        while (told := tab.until("session"))["q"]["name"] != "egg":
+            pass
+        assert not told["q"]["colours"]
 
 
 def test_a_picture_that_may_be_read_wrongly_is_taken_with_the_reason(client: TestClient, session: str) -> None:

@@ -100,6 +100,26 @@ export class Figure {
   }
 
   /**
+   * Paint the pieces that are shown.
+   * @param {import('./types.js').Texture[] | undefined} textures
+   */
+  paint(textures) {
+    if (!this.scene || !textures) return;
+    const {pieces} = this.scene, view = this.side ?? 'chain';
+    this.groups.forEach((group, k) => {
+      const [left, low, right, high] = textures[k].box, id = `texture-${view}-${k}`;
+      group.querySelector('.texture')?.remove();
+      // The picture's first row is its highest, and up is up.
+      const image = svg('image', {
+        href: textures[k].href, x: left, y: -high, width: right - left, height: high - low,
+        preserveAspectRatio: 'none', transform: 'scale(1 -1)',
+      });
+      const clip = svg('clipPath', {id}, svg('path', {d: pathOf(pieces[k].outline, true)}));
+      group.firstElementChild?.after(svg('g', {class: 'texture'}, clip, svg('g', {'clip-path': `url(#${id})`}, image)));
+    });
+  }
+
+  /**
    * @param {import('./types.js').Piece} piece
    * @param {number} k
    */

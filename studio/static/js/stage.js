@@ -4,11 +4,12 @@ import {state, watch} from './store.js';
 import {find, html} from './dom.js';
 import {Figure} from './figure.js';
 import {Swing} from './swing.js';
+import {beginTextures} from './textures.js';
 
 /** @typedef {import('./types.js').Side} Side */
 
 const TOGGLES = /** @type {const} */ ([
-  ['input', 'input'], ['bent', 'bend'], ['trunk', 'trunk'], ['cuts', 'dissection lines'],
+  ['input', 'input'], ['bent', 'bend'], ['trunk', 'trunk'], ['cuts', 'dissection lines'], ['textures', 'textures'],
 ]);
 
 /** @type {Record<Side | 'chain', Figure>} */
@@ -33,6 +34,7 @@ export function beginStage() {
     if (state.step !== 'look') swing.play(false);
   });
   watch(['scene', 'draft'], show);
+  beginTextures(figures, find('.toggles [name=textures]'));
 }
 
 function show() {
@@ -58,7 +60,7 @@ function show() {
 function toggles() {
   const stage = find('.stage'), box = find('.toggles');
   for (const [name, words] of TOGGLES) {
-    const field = html('input', {type: 'checkbox', name, checked: name === 'input' || name === 'bent'});
+    const field = html('input', {type: 'checkbox', name, checked: name === 'input' || name === 'bent' || name === 'textures'});
     const apply = () => stage.classList.toggle(`hide-${name}`, !field.checked);
     field.addEventListener('change', apply);
     apply();

@@ -43,7 +43,8 @@
  * @property {string} words
  * @property {{passed: boolean, words: string}} certificate
  *
- * @typedef {{name: string, outline: Flat, shape?: number | null}} Input
+ * @typedef {{name: string, outline: Flat, shape?: number | null, colours?: boolean}} Input
+ * @typedef {{href: string, box: [number, number, number, number]}} Texture x0, y0, x1, y1 in the piece's frame
  * @typedef {{kind: 'keep' | 'draw', points: Flat}} Pin
  * @typedef {{polygon: Flat, factor: number}} StiffRegion
  * @typedef {{name: string, transform: string, words: string}} Snapshot
