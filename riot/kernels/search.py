@@ -189,26 +189,35 @@ _near_3, _near_4, _near_5, _near_6 = _near_for(3), _near_for(4), _near_for(5), _
 
 
 @inner
-def _near_any(n: int, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
+def _near_any(
+    n: int, lanes: np.int32, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32
+) -> Any:
+    """As `_near`, of some ``lanes`` of the leaf, one by one: with many corners most shifts end at the edges."""
+    size, own, first = U64(n), U64(x), U64(y)
     mask = np.int32(0)
-    for s in range(n):
-        for lane in range(QCRS_LEAF):
+    for lane in range(LANES):
+        if lanes & LANE_BITS[lane] == 0:
+            continue
+        for s in range(size):
             e, g = np.float32(0.0), np.float32(0.0)
-            for j in range(n):
-                m = s + j if s + j < n else s + j - n
-                e += abs(ca[x + (n - 1 - j) * QCRS_LEAF] - cb[y + m * QCRS_LEAF + lane])
-            for j in range(n):
-                m = s + j if s + j < n else s + j - n
-                back = n - j if j > 0 else 0
-                g += abs(ca[x + (2 * n + back) * QCRS_LEAF] - cb[y + (n + m) * QCRS_LEAF + lane])
-                g += abs(ca[x + (n + back) * QCRS_LEAF] - cb[y + (2 * n + m) * QCRS_LEAF + lane])
-            near = (e * edge <= limit) & (g * angle <= limit)
-            mask = np.int32(mask | (LANE_BITS[lane] if near else np.int32(0)))
+            for j in range(size):
+                m = s + j if s + j < size else s + j - size
+                e += abs(ca[own + (size - U64(1) - j) * LANES] - cb[first + m * LANES + lane])
+            if e * edge > limit:
+                continue
+            for j in range(size):
+                m = s + j if s + j < size else s + j - size
+                back = size - j if j > U64(0) else U64(0)
+                g += abs(ca[own + (size + size + back) * LANES] - cb[first + (size + m) * LANES + lane])
+                g += abs(ca[own + (size + back) * LANES] - cb[first + (size + size + m) * LANES + lane])
+            if g * angle <= limit:
+                mask = np.int32(mask | LANE_BITS[lane])
+                break
     return mask
 
 
 @inlined
-def _near(n: int, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
+def _near(n: int, lanes: np.int32, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
     """Which trunks of a leaf may be, at some shift, within ``limit`` of another trunk, their areas aside: one bit each.
 
     The leaf's corners begin at y, those of the other trunk at x.
@@ -221,7 +230,7 @@ def _near(n: int, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32,
         return _near_5(ca, x, cb, y, edge, angle, limit)
     if n == 6:
         return _near_6(ca, x, cb, y, edge, angle, limit)
-    return _near_any(n, ca, x, cb, y, edge, angle, limit)
+    return _near_any(n, lanes, ca, x, cb, y, edge, angle, limit)
 
 
 @inner
@@ -406,7 +415,7 @@ def _nearest(
                             break  # a short leaf repeats its last trunk
                         mask = _mask(features_a, x, k, features_b, y, edge, angle, area, near)
                         if sweep == 1 and mask != 0:
-                            mask &= _near(n, facing_a, begin_a + k, facing_b, begin_b, edge, angle, near)
+                            mask &= _near(n, mask, facing_a, begin_a + k, facing_b, begin_b, edge, angle, near)
                         m = -1
                         while mask != 0:
                             m += 1
