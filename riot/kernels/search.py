@@ -90,26 +90,31 @@ def _row(
 
 
 @inner
-def _beside(features: Single, leaf: int, box: Single, edge: F32, angle: F32, area: F32, limit: F32) -> Any:
-    """Which trunks of a leaf may be within ``limit`` of a trunk in a box: one bit each."""
+def _beside(
+    features: Single, leaf: int, boxes: Single, tile: int, lane: int, edge: F32, angle: F32, area: F32, limit: F32
+) -> Any:
+    """Which trunks of a leaf may be within ``limit`` of a trunk in the box at ``lane`` of a tile: one bit each."""
     unit = np.float32(1.0)
     mask = np.int32(0)
     for k in range(QCRS_LEAF):
         value = unit - features[leaf, 0, k]
-        u, v = box[0] - value, value - box[1]
+        u, v = boxes[tile, 0, lane] - value, value - boxes[tile, 1, lane]
         w = (u if u > v else v) * area
         e = np.float32(0.0)
         for f in range(1, 1 + EDGE_CONTRASTS):
-            u, v = box[2 * f] - features[leaf, f, k], features[leaf, f, k] - box[2 * f + 1]
+            value = features[leaf, f, k]
+            u, v = boxes[tile, 2 * f, lane] - value, value - boxes[tile, 2 * f + 1, lane]
             g = u if u > v else v
             e = g if g > e else e
-        p, q = box[2 * FEATURES - 2], features[leaf, FEATURES - 1, k]
+        p, q = boxes[tile, 2 * FEATURES - 2, lane], features[leaf, FEATURES - 1, k]
         for f in range(FIRST_ALPHA, FIRST_BETA):
             h = f + ANGLE_CONTRASTS
-            u, v = box[2 * h] - features[leaf, f, k], features[leaf, f, k] - box[2 * h + 1]
+            value = features[leaf, f, k]
+            u, v = boxes[tile, 2 * h, lane] - value, value - boxes[tile, 2 * h + 1, lane]
             g = u if u > v else v
             p = g if g > p else p
-            u, v = box[2 * f] - features[leaf, h, k], features[leaf, h, k] - box[2 * f + 1]
+            value = features[leaf, h, k]
+            u, v = boxes[tile, 2 * f, lane] - value, value - boxes[tile, 2 * f + 1, lane]
             g = u if u > v else v
             q = g if g > q else q
         e *= edge
@@ -402,9 +407,7 @@ def _nearest(
                                 lowest, first = low, k
                         near, lanes = np.int32(lowest).view(np.float32), LANE_BITS[first]
                     else:
-                        for f in range(2 * FEATURES):
-                            box[f] = boxes_b[tiles_b[h] + column, f, lane]
-                        lanes = _beside(features_a, x, box, edge, angle, area, near)
+                        lanes = _beside(features_a, x, boxes_b, tiles_b[h] + column, lane, edge, angle, area, near)
                     k = -1
                     while lanes != 0:
                         k += 1
