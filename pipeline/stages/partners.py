@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     from riot.scores.index import Partners, TrunkIndex
     from riot.scores.trunk_stack import TrunkStack
 
-ROUNDING = 1e-9
-"""Greatest relative difference of a pair's scores in its two directions, which sum in different orders (ours)."""
-
 MARGIN = 1.2
 """How many times as far from a trunk in the own shard as the last partner a trunk may be to be compared beyond, with
 ``qcrs.mode=approximate``. Ours: .99 of the best partners are found, at the least price."""
@@ -52,6 +49,10 @@ class ShardPosition:
     first: int
     after: bool
     start: int = 0
+
+    def earlier(self, i: int, shapes: int) -> int:
+        """How many of the shard's ``shapes`` come before shape i of the query."""
+        return self.first + i if self.first >= 0 else shapes * self.after
 
 
 @dataclass(frozen=True)
@@ -75,10 +76,10 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBloc
     """Stacks of the query's batches and index of its shard → rows, each i's best first.
 
     i numbers the query's shapes, j the shard's. A `SubBlock` restricts the rows i. Only scores above 0 count; among
-    equals the earlier j comes first. ``trunk_i``, ``trunk_j`` and ``shift`` belong to the pair with its earlier shape
-    first, in whichever direction it was searched. ``compared`` in the document counts the pairs of which the distance
-    of two trunks was computed. ``promising`` (p, 2) are shapes of the query and their trunks that are worth comparing
-    in other shards.
+    equals the earlier j comes first. Score, ``trunk_i``, ``trunk_j`` and ``shift`` are of the pair with its earlier
+    shape first, in whichever direction it was searched. ``compared`` in the document counts the pairs of which the
+    distance of two trunks was computed. ``promising`` (p, 2) are shapes of the query and their trunks that
+    are worth comparing in other shards.
     """
     settings, count, mode = parameters
     search, stacks, rows = query_of(inputs, spec)
@@ -152,21 +153,18 @@ def find(
     """The rows that `run` returns, of the shapes ``rows`` of a batch; a shape's that score below its ``least`` (batch,)
     may be missing.
 
-    Of the shapes in ``few`` only those trunks are compared; their partners are scored by all trunks, as any others.
+    Of the shapes in ``few`` only those trunks are compared, so that a score may be too low.
     """
-    own_indices = [position.first + i if position.first >= 0 else -1 for i in range(len(query))]
-    partners = [_nearest(_trunks_of(query, i, few or {}), index, wanted, own_indices[i], float(least[i])) for i in rows]
+    partners = [_nearest(_trunks_of(query, i, few or {}), index, wanted, position, i, float(least[i])) for i in rows]
     i = np.repeat(rows, [len(nearest.scores.j) for nearest in partners]).astype(np.int32)
     columns = {
         name: np.concatenate([np.empty(0, np.int32), *(getattr(nearest.scores, name) for nearest in partners)])
         for name in COLUMNS
     }
     columns["i"] = i
-    in_shard = position.first >= 0
-    earlier = columns["j"] < np.array([*own_indices, 0])[i] if in_shard else np.full(len(i), position.after)
-    _score_again(query, index, columns, np.flatnonzero(earlier), wanted.settings, shard_first=True)
-    if few is not None:
-        _score_again(query, index, columns, np.flatnonzero(~earlier), wanted.settings, shard_first=False)
+    turned = columns["j"] < np.array([position.earlier(i, len(index)) for i in range(len(query))] + [0])[i]
+    first, second = columns["trunk_i"].copy(), columns["trunk_j"]
+    columns["trunk_i"], columns["trunk_j"] = np.where(turned, second, first), np.where(turned, first, second)
     best = best_rows(columns, wanted.count)
     promising = [np.column_stack([np.full(len(p), k), p]) for k, p in zip(rows, _promising(partners), strict=True)]
     trunks = np.concatenate([np.empty((0, 2), np.int32), *promising]).astype(np.int32)
@@ -190,38 +188,20 @@ def _promising(partners: Sequence[Partners]) -> list[IntArray]:
     return [nearest.promising[:, 1].astype(np.int64) for nearest in partners]
 
 
-def _nearest(shape: TrunkStack, index: TrunkIndex, wanted: Wanted, own_index: int, least: float) -> Partners:
-    """The best partners of a shape, and as many more as are needed to have the best ones in either direction."""
-    asked = wanted.count + 1
+def _nearest(
+    shape: TrunkStack, index: TrunkIndex, wanted: Wanted, position: ShardPosition, i: int, least: float
+) -> Partners:
+    """The best partners of shape i of a query, and as many more as score like the last one: the earlier ones count."""
+    asked, itself = wanted.count + 1, [position.first + i if position.first >= 0 else -1]
+    earlier = [position.earlier(i, len(index))]
     while True:
         nearest = scores.index.best_partners(
-            index, shape, asked, wanted.settings, least * (1 - ROUNDING), [own_index], wanted.margin
+            index, shape, asked, wanted.settings, least, itself, wanted.margin, earlier
         )
         score = nearest.scores.score
-        if len(score) < asked or score[-1] < score[wanted.count - 1] * (1 - ROUNDING):
+        if len(score) < asked or score[-1] < score[wanted.count - 1]:
             return nearest
         asked *= 2
-
-
-def _score_again(
-    query: TrunkStack,
-    index: TrunkIndex,
-    columns: dict[str, Any],
-    rows: IntArray,
-    settings: QcrsParameters,
-    *,
-    shard_first: bool,
-) -> None:
-    """Score again the pairs of ``rows`` by all trunks, from the side of the shard's shape or of the query's."""
-    if len(rows) == 0:
-        return
-    # The trunks of the whole shard are laid out for that, once for all batches that are searched with it.
-    first, second = (index.trunks, query) if shard_first else (query, index.trunks)
-    numbers = ("j", "i") if shard_first else ("i", "j")
-    pairs = np.column_stack([columns[name][rows] for name in numbers]).astype(np.int64)
-    again = scores.qcrs.score_pairs(first, second, pairs, settings, columns["score"][rows] * (1 - ROUNDING))
-    for name in ("score", "n", "trunk_i", "trunk_j", "shift"):
-        columns[name][rows] = getattr(again, name)
 
 
 def items(progress: Progress) -> list[WorkItem]:

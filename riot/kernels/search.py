@@ -318,19 +318,21 @@ class SearchBuffers(NamedTuple):
 @inner
 def _nearest(
     i: int, a: Forest, j: int, b: Forest, scale: Scale, buffers: SearchBuffers, lone: bool, most: float, apart: Single,
-    owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array, nearest: FloatArray,
+    owners: Int32Array, earlier: int, tops: FloatArray, bests: FloatArray, winners: Int32Array, met: Int32Array,
+    nearest: FloatArray,
 ) -> None:  # fmt: skip
     """For every owner of trunks of shape j, find the one nearest to a trunk of shape i, if the owner may be among the
     len(tops) nearest.
 
     If not ``lone``, j is a cell, and the leaves of shape i that are too far ``apart`` from it are passed over.
 
-    ``owners`` (t,) are the owners of b's trunks. ``tops`` (k,) are the least distances of k owners so far, ascending;
-    the search reaches as far as the last, times the margin of the scale, or as `_reach` says once that is below
-    ``most``, with which it began. For every owner ``bests`` becomes D,
-    ``winners`` (T, T', shift) with trunks numbered among all, and ``met`` 1 where D of two trunks was computed.
-    ``nearest`` (a's trunks,) becomes the least D of every trunk that is within reach of another. An owner whose entry
-    of ``bests`` is below 0 counts for nothing.
+    ``owners`` (t,) are the owners of b's trunks; those below ``earlier`` come first in a pair, and shape i before the
+    others: the order decides how sums run, and which of equal trunks wins. ``tops`` (k,) are the least distances of k
+    owners so far, ascending; the search reaches as far as the last, times the margin of the scale, or as `_reach` says
+    once that is below ``most``, with which it began. For every owner ``bests`` becomes D, ``winners`` (T, T', shift),
+    the trunk of the first shape first, with trunks numbered among all, and ``met`` 1 where D of two trunks was
+    computed. ``nearest`` (a's trunks,) becomes the least D of every trunk that is within reach of another. An owner
+    whose entry of ``bests`` is below 0 counts for nothing.
     """
     # To take an array out of a tuple costs more than most of what is done with it below.
     groups_a, sizes_a, leaves_a, tiles_a, begins_a = a.groups, a.sizes, a.leaves, a.tiles, a.begins
@@ -428,19 +430,27 @@ def _nearest(
                             t, u = trunks_a[x, k], trunks_b[y, m]
                             o = owners[u]
                             met[o] = 1
-                            far, s = _exact(
-                                n, offsets_a[t], offsets_b[u], ea, aa, ba, eb, ab, bb,
-                                1.0 / (n * sigma_edge), 1.0 / (2.0 * n * sigma_angle),
-                                2.0 * abs(wa[t] + wb[u] - 1.0) / sigma_area,
-                            )  # fmt: skip
+                            inverse_edge, inverse_angle = 1.0 / (n * sigma_edge), 1.0 / (2.0 * n * sigma_angle)
+                            one, two = t, u
+                            if o < earlier:
+                                one, two = u, t
+                                far, s = _exact(
+                                    n, offsets_b[u], offsets_a[t], eb, ab, bb, ea, aa, ba, inverse_edge, inverse_angle,
+                                    2.0 * abs(wb[u] + wa[t] - 1.0) / sigma_area,
+                                )  # fmt: skip
+                            else:
+                                far, s = _exact(
+                                    n, offsets_a[t], offsets_b[u], ea, aa, ba, eb, ab, bb, inverse_edge, inverse_angle,
+                                    2.0 * abs(wa[t] + wb[u] - 1.0) / sigma_area,
+                                )  # fmt: skip
                             if bests[o] >= 0.0:
                                 nearest[t] = min(nearest[t], far)
                             if far > tops[-1] or far > bests[o]:
                                 continue
-                            if far < bests[o] or t < winners[o, 0] or (t == winners[o, 0] and u < winners[o, 1]):
+                            if far < bests[o] or one < winners[o, 0] or (one == winners[o, 0] and two < winners[o, 1]):
                                 _improve(tops, bests[o], far)
                                 bests[o] = far
-                                winners[o, 0], winners[o, 1], winners[o, 2] = t, u, s
+                                winners[o, 0], winners[o, 1], winners[o, 2] = one, two, s
                                 reach = margin * _reach(tops[-1], most, epsilon)
                                 if sweep == 1:
                                     near = np.float32(reach + slack)
@@ -450,7 +460,7 @@ def _nearest(
 @kernel
 def _search(
     pairs: IntArray, limits: FloatArray, lone: bool, far: Single, a: Forest, b: Forest, scale: Scale,
-    buffers: SearchBuffers, owners: Int32Array, tops: FloatArray, bests: FloatArray, winners: Int32Array,
+    buffers: SearchBuffers, owners: Int32Array, earlier: int, tops: FloatArray, bests: FloatArray, winners: Int32Array,
     met: Int32Array, nearest: FloatArray, out: FloatArray, out_winners: Int32Array,
 ) -> None:  # fmt: skip
     """`_nearest` of ``pairs`` (k, 2) of shape numbers, one after the other.
@@ -468,7 +478,8 @@ def _search(
         elif limits[k] > scale.margin * _reach(tops[-1], most, scale.epsilon) + scale.slack:
             break
         _nearest(
-            pairs[k, 0], a, pairs[k, 1], b, scale, buffers, lone, most, far, owners, tops, bests, winners, met, nearest
+            pairs[k, 0], a, pairs[k, 1], b, scale, buffers, lone, most, far, owners, earlier, tops, bests, winners, met,
+            nearest,
         )  # fmt: skip
         if lone:
             out[k] = bests[0]
@@ -523,15 +534,15 @@ def block(
     owners, met, far = np.zeros(len(b.areas), np.int32), np.empty(1, np.int32), np.empty((1, 1, 1), np.float32)
     top, best, winner, nearest = np.empty(1), np.empty(1), np.empty((1, 3), np.int32), np.empty(len(a.areas))
     buffers = make_buffers(a, b)
-    _search(pairs, limits, True, far, a, b, scale, buffers, owners, top, best, winner, met, nearest, out, winners)
+    _search(pairs, limits, True, far, a, b, scale, buffers, owners, 0, top, best, winner, met, nearest, out, winners)
     there = winners[:, 0] >= 0
     winners[there, 0] -= a.starts[pairs[there, 0]].astype(np.int32)
     winners[there, 1] -= b.starts[pairs[there, 1]].astype(np.int32)
 
 
 def partners(
-    i: int, a: Forest, b: Forest, owners: Int32Array, crowns: Single, scale: Scale, tops: FloatArray, bests: FloatArray,
-    winners: Int32Array, met: Int32Array, nearest: FloatArray,
+    i: int, a: Forest, b: Forest, owners: Int32Array, earlier: int, crowns: Single, scale: Scale, tops: FloatArray,
+    bests: FloatArray, winners: Int32Array, met: Int32Array, nearest: FloatArray,
 ) -> None:  # fmt: skip
     """The nearest owners of b's trunks for shape i of a: see `_nearest`. b's "shapes" are cells of similar trunks.
 
@@ -549,7 +560,10 @@ def partners(
     pairs = np.empty((len(order), 2), np.int64)
     pairs[:, 0], pairs[:, 1] = i, order
     limits = distances[order].astype(np.float64)
-    _search(pairs, limits, False, far, a, b, scale, buffers, owners, tops, bests, winners, met, nearest, bests, winners)
+    _search(
+        pairs, limits, False, far, a, b, scale, buffers, owners, earlier, tops, bests, winners, met, nearest, bests,
+        winners,
+    )  # fmt: skip
 
 
 def warm() -> None:
@@ -574,5 +588,16 @@ def warm() -> None:
     )
     crowns, met = np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.zeros(1, np.int32)
     partners(
-        0, forest, forest, met, crowns, Scale(0.1, 0.5, 0.1, 1e-4, 1.0, 0.0), np.ones(1), np.ones(1), winners, met, area
+        0,
+        forest,
+        forest,
+        met,
+        0,
+        crowns,
+        Scale(0.1, 0.5, 0.1, 1e-4, 1.0, 0.0),
+        np.ones(1),
+        np.ones(1),
+        winners,
+        met,
+        area,
     )

@@ -145,11 +145,14 @@ def best_partners(
     least: float = 0.0,
     itself: Sequence[int] | None = None,
     margin: float = 1.0,
+    earlier: Sequence[int] | None = None,
 ) -> Partners:
     """For every shape of ``query`` the ``count`` best partners in the index that score above 0 and at least ``least``.
 
     ``itself`` gives the number of every query shape in the index, which is no partner, or −1. In the
-    scores, i numbers the query's shapes and j the index's. Exact; among equals the first by (j; trunks; shift). With
+    scores, i numbers the query's shapes and j the index's, and trunk_i and trunk_j are theirs. Exact; among equals the
+    first by (j; trunks; shift). ``earlier`` says for every query shape how many shapes of the index come before it, by
+    default none: a pair is scored, and trunks and shifts compared, with its earlier shape first. With
     ``parameters.epsilon`` partner number k may score that much less than the true one of this number.
     ``margin`` says how many times as far as the last partner a trunk of another shape may be from a promising one.
     Raises ValueError if ``count`` < 1.
@@ -163,8 +166,9 @@ def best_partners(
     if count < 1:
         raise ValueError(f"best_partners({count=}): ask for one partner at least")
     itself = [-1] * len(query) if itself is None else itself
+    earlier = [0] * len(query) if earlier is None else earlier
     searches = [
-        _search(index, query, i, count, parameters, float(distance_of(least)), itself[i : i + 1], margin)
+        _search(index, query, i, count, parameters, float(distance_of(least)), itself[i : i + 1], margin, earlier[i])
         for i in range(len(query))
     ]
     promising = [np.stack([np.full_like(near, i), near], axis=1) for i, (_, _, near) in enumerate(searches)]
@@ -209,12 +213,13 @@ def _search(
     limit: float,
     not_these: Sequence[int] | range,
     margin: float = 1.0,
+    earlier: int = 0,
 ) -> tuple[npt.NDArray[np.float64], int, npt.NDArray[np.int32]]:
     """(k, 6) i, j, D, T, T', shift of the nearest, nearest first; the number of shapes that were compared; and the
     numbers of the promising trunks of shape i."""
     out = [number for number in not_these if number >= 0]
     if FEW_OTHERS * count >= len(index):
-        return _score_all(index, query, i, count, parameters, limit, out)
+        return _score_all(index, query, i, count, parameters, limit, out, earlier)
     bests = np.full(len(index), np.inf)
     bests[out] = -1.0
     winners = np.full((len(index), 3), -1, dtype=np.int32)
@@ -222,11 +227,14 @@ def _search(
     tops = np.full(count, limit)
     trunks = np.full(len(query.areas), np.inf)
     scale = scale_of(query, index.trunks, parameters or QcrsParameters(), margin)
-    partners(i, query.forest, index.cells, index.owners, index.crowns, scale, tops, bests, winners, met, trunks)
+    partners(
+        i, query.forest, index.cells, index.owners, earlier, index.crowns, scale, tops, bests, winners, met, trunks
+    )
     met[out] = 0
     near = np.flatnonzero((winners[:, 0] >= 0) & (bests <= tops[-1]))
     near = near[np.lexsort((near, bests[near]))][:count]
-    t, u = winners[near, 0] - query.starts[i], winners[near, 1] - index.trunks.starts[near]
+    own, other = np.where(near < earlier, 1, 0), np.where(near < earlier, 0, 1)
+    t, u = winners[near, own] - query.starts[i], winners[near, other] - index.trunks.starts[near]
     rows = np.column_stack([np.full(len(near), i), near, bests[near], t, u, winners[near, 2]])
     of_shape = trunks[query.starts[i] : query.starts[i + 1]]
     promising = np.flatnonzero((of_shape < np.inf) & (of_shape <= margin * tops[-1]))
@@ -241,13 +249,19 @@ def _score_all(
     parameters: QcrsParameters | None,
     limit: float,
     out: Sequence[int],
+    earlier: int,
 ) -> tuple[npt.NDArray[np.float64], int, npt.NDArray[np.int32]]:
     """As `_search`, by scoring every pair: a search that must find most of the shapes has no limit to prune by."""
     others = np.setdiff1d(np.arange(len(index)), out)
+    first = int(np.searchsorted(others, earlier))
+    limits, distance, winners = np.full(len(others), limit), np.empty(len(others)), np.empty((len(others), 3), np.int32)
     pairs = np.column_stack([np.full(len(others), i), others]).astype(np.int64)
-    distance, winners = np.empty(len(others)), np.empty((len(others), 3), dtype=np.int32)
-    scale = scale_of(query, index.trunks, parameters or QcrsParameters())
-    block(pairs, query.forest, index.trunks.forest, scale, np.full(len(others), limit), distance, winners)
+    settings = parameters or QcrsParameters()
+    for part, turned in ((slice(0, first), True), (slice(first, None), False)):
+        a, b = (index.trunks, query) if turned else (query, index.trunks)
+        along = np.ascontiguousarray(pairs[part, ::-1] if turned else pairs[part])
+        block(along, a.forest, b.forest, scale_of(a, b, settings), limits[part], distance[part], winners[part])
+    winners[:first, :2] = winners[:first, 1::-1]
     there = np.flatnonzero(winners[:, 0] >= 0)
     near = there[np.lexsort((others[there], distance[there]))][:count]
     rows = np.column_stack([pairs[near], distance[near], winners[near]])

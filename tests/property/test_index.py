@@ -50,6 +50,26 @@ def test_best_partners_are_those_of_scoring_all(seed: int, count: int, least: fl
     assert rows(best, np.arange(len(best.i))) == rows(plain, np.arange(len(plain.i)))
 
 
+@given(SEEDS, st.integers(0, 7), st.booleans(), st.sampled_from([0, 2]))
+@settings(max_examples=15)
+def test_a_pair_is_scored_with_its_earlier_shape_first(seed: int, earlier: int, coarse: bool, few: int) -> None:
+    everything, query = random_stack(seed, 7, coarse, 50), random_stack(seed + 1, 1, coarse, 50)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(riot.scores.index, "FEW_OTHERS", few)
+        best = best_partners(TrunkIndex.build([everything]), query, 3, earlier=[earlier]).scores
+    after, before = brute_force(query, everything), brute_force(everything, query)
+    turned = np.arange(7) < earlier
+    score = np.where(turned, before.score, after.score)
+    expected = [
+        (score[j], before.trunk_j[j], before.trunk_i[j], before.shift[j])
+        if turned[j]
+        else (score[j], after.trunk_i[j], after.trunk_j[j], after.shift[j])
+        for j in best.j
+    ]
+    assert list(zip(best.score, best.trunk_i, best.trunk_j, best.shift, strict=True)) == expected
+    assert np.array_equal(best.score, np.sort(score[score > 0])[::-1][:3])
+
+
 @given(SEEDS, st.integers(1, 30), st.sampled_from([0, 2]))
 @settings(max_examples=15)
 def test_best_pairs_are_those_of_scoring_all(seed: int, count: int, few: int) -> None:
