@@ -30,8 +30,9 @@ from grown import SEED, grown_trunks, members
 from inputs import pictures
 from recall_plot import Growth, draw
 
+from pipeline.stages.partner_rows import worst_of_best
 from pipeline.stages.partners import MARGIN, ShardPosition, Wanted, find
-from pipeline.stages.partners_beyond import SPARE, promising_trunks, worst_of_best
+from pipeline.stages.partners_beyond import SPARE, promising_trunks
 from pipeline.stages.shards import SHAPES_PER_SHARD
 from pipeline.store.artifact import Artifact
 from riot.parameters import QcrsParameters

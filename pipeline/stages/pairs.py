@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeline.plan.progress import Progress
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.partners import TYPES, best_rows
+from pipeline.stages.partner_rows import TYPES, best_rows
 from pipeline.stages.qcrs import COLUMNS
 from pipeline.stages.shards import searches, targets
 from pipeline.stages.stage import Stage

@@ -17,6 +17,7 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
+from pipeline.stages.partner_rows import best_rows, join
 from pipeline.stages.qcrs import COLUMNS, stack_of_batch
 from pipeline.stages.shards import Query, is_shard, queries, searches, unpack
 from pipeline.stages.stage import Stage, SubBlocks
@@ -35,9 +36,6 @@ MARGIN = 1.2
 
 TASK = 64
 """Batches that are searched for in a shard, at most, once it is read, which takes as long as a few searches (ours)."""
-
-TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
-"""Types of columns; the others are int32."""
 
 
 @dataclass(frozen=True)
@@ -104,19 +102,6 @@ class Wanted:
     margin: float = 1.0
 
 
-def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock] = ()) -> Artifact:
-    """The artifact of a query from those of some of its shapes each, in any order; ``lost`` shapes have no rows."""
-    empty = {name: np.empty(0, TYPES.get(name, np.int32)) for name in COLUMNS}
-    pieces = [{**empty, "promising": np.empty((0, 2), np.int32)}, *(artifact.arrays for artifact in artifacts)]
-    rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in pieces[0]}
-    order = np.argsort(rows["i"], kind="stable")  # all rows of an i are in one artifact, the best first
-    promising = rows.pop("promising")
-    compared = sum(int(artifact.document["compared"]) for artifact in artifacts)
-    columns = {name: column[order] for name, column in rows.items()}
-    in_order = promising[np.argsort(promising[:, 0], kind="stable")]
-    return Artifact({**columns, "promising": in_order}, {"compared": compared})
-
-
 def find_all(
     stacks: Sequence[TrunkStack],
     index: TrunkIndex,
@@ -169,14 +154,6 @@ def find(
     promising = [np.column_stack([np.full(len(p), k), p]) for k, p in zip(rows, _promising(partners), strict=True)]
     trunks = np.concatenate([np.empty((0, 2), np.int32), *promising]).astype(np.int32)
     return Artifact({**best, "promising": trunks}, {"compared": sum(nearest.compared for nearest in partners)})
-
-
-def best_rows(columns: Mapping[str, Any], count: int) -> dict[str, Any]:
-    """The ``count`` best rows of each i that score above 0, best first, and among equals by j."""
-    order = np.lexsort((columns["j"], -columns["score"], columns["i"]))
-    i = columns["i"][order]
-    order = order[(np.arange(len(i)) - np.searchsorted(i, i) < count) & (columns["score"][order] > 0)]
-    return {name: columns[name][order].astype(TYPES.get(name, np.int32)) for name in COLUMNS}
 
 
 def _trunks_of(query: TrunkStack, i: int, few: Mapping[int, IntArray]) -> TrunkStack:

@@ -15,23 +15,14 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.partners import (
-    TASK,
-    Search,
-    ShardPosition,
-    Wanted,
-    best_rows,
-    find_all,
-    join,
-    query_of,
-    search_item,
-)
+from pipeline.stages.partner_rows import best_rows, join, worst_of_best
+from pipeline.stages.partners import TASK, Search, ShardPosition, Wanted, find_all, query_of, search_item
 from pipeline.stages.partners import prepare as stack_or_index
 from pipeline.stages.qcrs import COLUMNS
 from pipeline.stages.shards import queries, searches, targets
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact
-from riot.types import FloatArray, IntArray
+from riot.types import IntArray
 
 if TYPE_CHECKING:
     from riot.scores.index import TrunkIndex
@@ -90,21 +81,6 @@ def promising_trunks(i: IntArray, promising: IntArray, shapes: int, count: int) 
     """
     known = np.flatnonzero(np.bincount(i, minlength=shapes) >= count)
     return {int(k): promising[promising[:, 0] == k, 1].astype(np.int64) for k in known}
-
-
-def worst_of_best(i: IntArray, score: FloatArray, shapes: int, count: int) -> FloatArray:
-    """(shapes,) the score of each shape's partner number ``count``; 0 for a shape that has fewer.
-
-    ``i`` ascends, and each i's scores descend.
-
-    >>> worst_of_best(np.array([0, 0, 2]), np.array([0.9, 0.8, 0.7]), 3, 2).tolist()
-    [0.8, 0.0, 0.0]
-    """
-    last = np.searchsorted(i, np.arange(shapes)) + count - 1
-    enough = last < np.searchsorted(i, np.arange(shapes), side="right")
-    least = np.zeros(shapes)
-    least[enough] = score[last[enough]]
-    return least
 
 
 def items(progress: Progress) -> list[WorkItem]:
