@@ -13,28 +13,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from riot.kernels.bounds import EDGE_CONTRASTS, FEATURES, QCRS_LEAF, TILE_LEAVES
 from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
-
-QCRS_LEAF = 16
-"""Trunks of a leaf: two vector registers of single-precision numbers. With fewer than 16 LLVM does not vectorise.
-Ours."""
-
-TILE_LEAVES = 32
-"""Leaves of a tile: their boxes are stored side by side, for vectorised loops. Ours."""
-
-EDGE_CONTRASTS = 3
-"""Contrasts of the edges: features 1 to 3. Ours."""
-
-ANGLE_CONTRASTS = 2
-"""Contrasts of the alphas, from feature 4, and of the betas, from feature 6; the sum of the alphas is (n − 2)π, and
-none of them. Ours."""
-
-FEATURES = 1 + EDGE_CONTRASTS + 2 * ANGLE_CONTRASTS + 1
-"""Numbers of a trunk: the first is the area, the last |Σβ − (n − 2)π|, the least value of Σ|β − α'|."""
-
-CORNER_VALUES = 3
-"""Values of each corner that `facing` stores: edge, alpha and beta."""
 
 _STACK = 64
 """Ranges that wait to be halved: more than the binary logarithm of any number of trunks."""

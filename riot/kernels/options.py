@@ -9,6 +9,8 @@ from typing import Any, TypeVar
 import numba
 from numba.core.caching import FunctionCache
 
+from riot.kernels.compiling.cache import shared_code
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 unkept: list[str] = []
@@ -50,7 +52,14 @@ def _kept(function: F, dispatcher: F) -> F:
 
 
 class _Cache(FunctionCache):  # type: ignore[misc]
-    """Numba's cache, where what cannot be read is compiled again, and what cannot be written stays in memory."""
+    """Numba's cache, where what cannot be read is compiled again, and what cannot be written stays in memory.
+
+    Numba compiles a kernel again when its own file has changed; so does this when a file has that all kernels share.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        self._cache_file._source_stamp = self._cache_file._source_stamp, shared_code()
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """See `numba.core.caching.Cache`."""

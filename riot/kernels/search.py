@@ -1,291 +1,47 @@
 """The nearest trunks of two shapes: the search of QCRS (theory §6; the bounds are ours).
 
 The search gives the distance D and the winner of `riot.kernels.pairs`, exactly if `Scale.epsilon` is 0. It goes from
-coarse to fine:
+coarse to fine, with the distances of `riot.kernels.bounds`:
 
-1. distances between boxes around leaves of 16 similar trunks (`_row`), and of their trunks from a box (`_beside`);
-2. distances between the features of trunks, sixteen at a time (`_mask`);
-3. all shifts of two trunks in single precision, sixteen at a time (`_near`);
-4. D itself in double precision (`_exact`), some two dozen times for two shapes.
+1. between boxes around leaves of 16 similar trunks (`row_bounds`), and of their trunks from a box (`lanes_beside`);
+2. between the features of trunks, sixteen at a time (`lanes_within`);
+3. all shifts of two trunks in single precision (`lanes_near`);
+4. D itself in double precision (`exact_distance`), some two dozen times for two shapes.
 
 The first three are lower bounds of D in single precision, and prune only what exceeds the best D so far by more than
 all their rounding can be (`slack`). The leaf pairs of least bound come first, so that the best D is small early.
-
-Some code is written for the machine: loops over `QCRS_LEAF` or `TILE_LEAVES` lanes without branches, which LLVM
-vectorises; indices that cannot be negative (constants, ranges, unsigned numbers), which spare Python's wrap-around;
-kernels without arrays of their own (`inner`), which spare reference counts; sums over n corners unrolled for each small
-n.
 
 A `riot.kernels.forest.Forest` has the data that the search reads.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from riot.kernels.bounds import (
+    CORNER_VALUES,
+    FEATURES,
+    INFINITY_BITS,
+    LANE_BITS,
+    QCRS_LEAF,
+    TILE_LEAVES,
+    exact_distance,
+    improve,
+    lanes_beside,
+    lanes_near,
+    lanes_within,
+    least_bound,
+    reach_of,
+    row_bounds,
+)
 from riot.kernels.forest import Forest, Int32Array, Scale, Single
-from riot.kernels.options import inlined, inner, kernel
+from riot.kernels.options import inner, kernel
 from riot.types import FloatArray, IntArray
-
-# The same as in riot.kernels.leaves (a test compares): Numba compiles globals as constants, and its cache does not
-# notice a change in another module.
-QCRS_LEAF, TILE_LEAVES, EDGE_CONTRASTS, ANGLE_CONTRASTS = 16, 32, 3, 2
-FEATURES = 1 + EDGE_CONTRASTS + 2 * ANGLE_CONTRASTS + 1
-FIRST_ALPHA = 1 + EDGE_CONTRASTS
-FIRST_BETA = FIRST_ALPHA + ANGLE_CONTRASTS
-CORNER_VALUES = 3
-
-INFINITY_BITS = np.int32(0x7F800000)
-"""The bits of single-precision infinity. The bits of numbers from 0 up are in the order of the numbers."""
-
-LANE_BITS = (1 << np.arange(QCRS_LEAF)).astype(np.int32)
-"""The bit of each trunk of a leaf in a mask."""
 
 FIRST_ROWS = 8
 """Leaves that the first sweep visits, the nearest. Ours: any number gives the same result."""
-
-U64 = np.uint64
-LANES = U64(QCRS_LEAF)
-F32: TypeAlias = np.float32
-
-
-@inner
-def _row(
-    box: Single, boxes: Single, tile: int, count: int, edge: F32, angle: F32, area: F32, out: Single, row: int,
-    column: int,
-) -> Any:  # fmt: skip
-    """Bounds of one leaf against ``count`` leaves of a tile, into ``out[row, column]``; returns the bits of the
-    least."""
-    zero, unit = np.float32(0.0), np.float32(1.0)
-    least = INFINITY_BITS
-    for y in range(count):
-        u, v = box[0] - (unit - boxes[tile, 0, y]), (unit - boxes[tile, 1, y]) - box[1]
-        w = (u if u > v else v) * area
-        e = zero
-        for k in range(1, 1 + EDGE_CONTRASTS):
-            u, v = box[2 * k] - boxes[tile, 2 * k + 1, y], boxes[tile, 2 * k, y] - box[2 * k + 1]
-            g = u if u > v else v
-            e = g if g > e else e
-        p, q = boxes[tile, 2 * FEATURES - 2, y], box[2 * FEATURES - 2]
-        for k in range(FIRST_ALPHA, FIRST_BETA):
-            h = k + ANGLE_CONTRASTS
-            u, v = box[2 * k] - boxes[tile, 2 * h + 1, y], boxes[tile, 2 * h, y] - box[2 * k + 1]
-            g = u if u > v else v
-            p = g if g > p else p
-            u, v = box[2 * h] - boxes[tile, 2 * k + 1, y], boxes[tile, 2 * k, y] - box[2 * h + 1]
-            g = u if u > v else v
-            q = g if g > q else q
-        e *= edge
-        g = (p + q) * angle
-        e = g if g > e else e
-        e = w if w > e else e
-        out[row, column, y] = e
-    for y in range(count):
-        least = min(least, np.float32(out[row, column, y]).view(np.int32))
-    return least
-
-
-@inner
-def _beside(
-    features: Single, leaf: int, boxes: Single, tile: int, lane: int, edge: F32, angle: F32, area: F32, limit: F32
-) -> Any:
-    """Which trunks of a leaf may be within ``limit`` of a trunk in the box at ``lane`` of a tile: one bit each."""
-    unit = np.float32(1.0)
-    mask = np.int32(0)
-    for k in range(QCRS_LEAF):
-        value = unit - features[leaf, 0, k]
-        u, v = boxes[tile, 0, lane] - value, value - boxes[tile, 1, lane]
-        w = (u if u > v else v) * area
-        e = np.float32(0.0)
-        for f in range(1, 1 + EDGE_CONTRASTS):
-            value = features[leaf, f, k]
-            u, v = boxes[tile, 2 * f, lane] - value, value - boxes[tile, 2 * f + 1, lane]
-            g = u if u > v else v
-            e = g if g > e else e
-        p, q = boxes[tile, 2 * FEATURES - 2, lane], features[leaf, FEATURES - 1, k]
-        for f in range(FIRST_ALPHA, FIRST_BETA):
-            h = f + ANGLE_CONTRASTS
-            value = features[leaf, f, k]
-            u, v = boxes[tile, 2 * h, lane] - value, value - boxes[tile, 2 * h + 1, lane]
-            g = u if u > v else v
-            p = g if g > p else p
-            value = features[leaf, h, k]
-            u, v = boxes[tile, 2 * f, lane] - value, value - boxes[tile, 2 * f + 1, lane]
-            g = u if u > v else v
-            q = g if g > q else q
-        e *= edge
-        g = (p + q) * angle
-        e = g if g > e else e
-        e = w if w > e else e
-        mask = np.int32(mask | (LANE_BITS[k] if e <= limit else np.int32(0)))
-    return mask
-
-
-@inlined
-def _bound(fa: Single, x: int, k: int, fb: Single, y: int, j: int, edge: F32, angle: F32, area: F32) -> Any:
-    """Bound of trunk k of leaf x against trunk j of leaf y."""
-    w = abs((np.float32(1.0) - fa[x, 0, k]) - fb[y, 0, j]) * area
-    e = abs(fa[x, 1, k] - fb[y, 1, j])
-    for f in range(2, 1 + EDGE_CONTRASTS):
-        g = abs(fa[x, f, k] - fb[y, f, j])
-        e = g if g > e else e
-    p, q = fb[y, FEATURES - 1, j], fa[x, FEATURES - 1, k]
-    for f in range(FIRST_ALPHA, FIRST_BETA):
-        g = abs(fa[x, f, k] - fb[y, f + ANGLE_CONTRASTS, j])
-        p = g if g > p else p
-        g = abs(fa[x, f + ANGLE_CONTRASTS, k] - fb[y, f, j])
-        q = g if g > q else q
-    e *= edge
-    g = (p + q) * angle
-    e = g if g > e else e
-    return w if w > e else e
-
-
-@inner
-def _mask(fa: Single, x: int, k: int, fb: Single, y: int, edge: F32, angle: F32, area: F32, limit: F32) -> Any:
-    """Which trunks of leaf y may be within ``limit`` of trunk k of leaf x: one bit each."""
-    mask = np.int32(0)
-    for j in range(QCRS_LEAF):
-        near = _bound(fa, x, k, fb, y, j, edge, angle, area) <= limit
-        mask = np.int32(mask | (LANE_BITS[j] if near else np.int32(0)))
-    return mask
-
-
-@inner
-def _least(fa: Single, x: int, k: int, fb: Single, y: int, edge: F32, angle: F32, area: F32) -> Any:
-    """Bits of the least bound of trunk k of leaf x against the trunks of leaf y."""
-    least = INFINITY_BITS
-    for j in range(QCRS_LEAF):
-        least = min(least, np.float32(_bound(fa, x, k, fb, y, j, edge, angle, area)).view(np.int32))
-    return least
-
-
-def _near_for(n: int) -> Callable[..., Any]:
-    """`_near` for trunks of n corners, n known to the compiler."""
-    size = U64(n)
-
-    @inner
-    def near(ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
-        own, first = U64(x), U64(y)
-        mask = np.int32(0)
-        for s in range(size):
-            for lane in range(LANES):
-                e, g = np.float32(0.0), np.float32(0.0)
-                for j in range(size):
-                    m = s + j if s + j < size else s + j - size
-                    e += abs(ca[own + (size - U64(1) - j) * LANES] - cb[first + m * LANES + lane])
-                for j in range(size):
-                    m = s + j if s + j < size else s + j - size
-                    back = size - j if j > U64(0) else U64(0)
-                    g += abs(ca[own + (size + size + back) * LANES] - cb[first + (size + m) * LANES + lane])
-                    g += abs(ca[own + (size + back) * LANES] - cb[first + (size + size + m) * LANES + lane])
-                near = (e * edge <= limit) & (g * angle <= limit)
-                mask = np.int32(mask | (LANE_BITS[lane] if near else np.int32(0)))
-        return mask
-
-    return near
-
-
-_near_3, _near_4, _near_5, _near_6 = _near_for(3), _near_for(4), _near_for(5), _near_for(6)
-
-
-@inner
-def _near_any(
-    n: int, lanes: np.int32, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32
-) -> Any:
-    """As `_near`, of some ``lanes`` of the leaf, one by one: with many corners most shifts end at the edges."""
-    size, own, first = U64(n), U64(x), U64(y)
-    mask = np.int32(0)
-    for lane in range(LANES):
-        if lanes & LANE_BITS[lane] == 0:
-            continue
-        for s in range(size):
-            e, g = np.float32(0.0), np.float32(0.0)
-            for j in range(size):
-                m = s + j if s + j < size else s + j - size
-                e += abs(ca[own + (size - U64(1) - j) * LANES] - cb[first + m * LANES + lane])
-            if e * edge > limit:
-                continue
-            for j in range(size):
-                m = s + j if s + j < size else s + j - size
-                back = size - j if j > U64(0) else U64(0)
-                g += abs(ca[own + (size + size + back) * LANES] - cb[first + (size + m) * LANES + lane])
-                g += abs(ca[own + (size + back) * LANES] - cb[first + (size + size + m) * LANES + lane])
-            if g * angle <= limit:
-                mask = np.int32(mask | LANE_BITS[lane])
-                break
-    return mask
-
-
-@inlined
-def _near(n: int, lanes: np.int32, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
-    """Which trunks of a leaf may be, at some shift, within ``limit`` of another trunk, their areas aside: one bit each.
-
-    The leaf's corners begin at y, those of the other trunk at x.
-    """
-    if n == 4:
-        return _near_4(ca, x, cb, y, edge, angle, limit)
-    if n == 3:
-        return _near_3(ca, x, cb, y, edge, angle, limit)
-    if n == 5:
-        return _near_5(ca, x, cb, y, edge, angle, limit)
-    if n == 6:
-        return _near_6(ca, x, cb, y, edge, angle, limit)
-    return _near_any(n, lanes, ca, x, cb, y, edge, angle, limit)
-
-
-@inner
-def _exact(
-    n: int, x: int, y: int, ea: FloatArray, aa: FloatArray, ba: FloatArray, eb: FloatArray, ab: FloatArray,
-    bb: FloatArray, edge: float, angle: float, area: float,
-) -> tuple[float, int]:  # fmt: skip
-    """D of two trunks whose corners begin at x and y, and the first shift that gives it; ``area`` is its area term.
-
-    Sums run as in `riot.kernels.pairs.brute_pair`, to the same bits.
-    """
-    best, shift = np.inf, -1
-    for s in range(n):
-        e, g = 0.0, 0.0
-        k = s
-        for j in range(n):
-            g += abs(ba[x + j] - ab[y + k]) + abs(aa[x + j] - bb[y + k])
-            k = k - 1 if k > 0 else n - 1
-            e += abs(ea[x + j] - eb[y + k])
-        far = max(area, max(e * edge, g * angle))
-        if far < best:
-            best, shift = far, s
-    return best, shift
-
-
-@inner
-def _improve(tops: FloatArray, old: float, new: float) -> None:
-    """Replace an owner's old distance among the least distances, ascending, by its new one; the last one if it is not
-    there."""
-    at = len(tops) - 1
-    while at > 0 and tops[at] > old:
-        at -= 1
-    if tops[at] != old:
-        at = len(tops) - 1
-    while at > 0 and tops[at - 1] > new:
-        tops[at] = tops[at - 1]
-        at -= 1
-    tops[at] = new
-
-
-@inner
-def _reach(worst: float, limit: float, epsilon: float) -> float:
-    """How far a search looks that has found partners up to the distance ``worst``, if that is less than its ``limit``.
-
-    What is farther scores less than exp(−worst²/2) + ε: the search loses at most ε of any score.
-    """
-    if epsilon == 0.0 or worst >= limit:
-        return worst
-    score = math.exp(-0.5 * worst * worst) + epsilon
-    return math.sqrt(-2.0 * math.log(score)) if score < 1.0 else 0.0
 
 
 @inner
@@ -305,8 +61,8 @@ def _sort(values: IntArray, count: int) -> None:
 
 
 class SearchBuffers(NamedTuple):
-    """Scratch arrays of a search: the bounds of `_row`, the least of each row, the leaves of each row, the rows in
-    order, a box."""
+    """Scratch arrays of a search: the bounds of `row_bounds`, the least of each row, the leaves of each row, the rows
+    in order, a box."""
 
     bounds: Single
     least: Int32Array
@@ -328,9 +84,9 @@ def _nearest(
 
     ``owners`` (t,) are the owners of b's trunks; those below ``earlier`` come first in a pair, and shape i before the
     others: the order decides how sums run, and which of equal trunks wins. ``tops`` (k,) are the least distances of k
-    owners so far, ascending; the search reaches as far as the last, times the margin of the scale, or as `_reach` says
-    once that is below ``most``, with which it began. For every owner ``bests`` becomes D, ``winners`` (T, T', shift),
-    the trunk of the first shape first, with trunks numbered among all, and ``met`` 1 where D of two trunks was
+    owners so far, ascending; the search reaches as far as the last, times the margin of the scale, or as `reach_of`
+    says once that is below ``most``, with which it began. For every owner ``bests`` becomes D, ``winners`` (T, T',
+    shift), the trunk of the first shape first, with trunks numbered among all, and ``met`` 1 where D of two trunks was
     computed. ``nearest`` (a's trunks,) becomes the least D of every trunk that is within reach of another. An owner
     whose entry of ``bests`` is below 0 counts for nothing.
     """
@@ -344,7 +100,7 @@ def _nearest(
     bounds, least, rows, order, box = buffers.bounds, buffers.least, buffers.rows, buffers.order, buffers.box
     sigma_edge, sigma_angle, sigma_area, slack = scale.edge, scale.angle, scale.area, scale.slack
     margin, epsilon = scale.margin, scale.epsilon
-    reach = margin * _reach(tops[-1], most, epsilon)
+    reach = margin * reach_of(tops[-1], most, epsilon)
     area = np.float32(2.0 / sigma_area)
     limit = np.float32(np.float32(reach + slack)).view(np.int32)
     count, first_leaf = 0, leaves_a[groups_a[i]]
@@ -370,7 +126,9 @@ def _nearest(
             low: Any = INFINITY_BITS
             for column in range(tiles_b[h + 1] - tiles_b[h]):
                 wide = min(TILE_LEAVES, facing_leaves - column * TILE_LEAVES)
-                low = min(low, _row(box, boxes_b, tiles_b[h] + column, wide, edge, angle, area, bounds, count, column))
+                low = min(
+                    low, row_bounds(box, boxes_b, tiles_b[h] + column, wide, edge, angle, area, bounds, count, column)
+                )
             least[count] = low
             rows[count, 0], rows[count, 1], rows[count, 2] = g, h, x
             count += 1
@@ -404,12 +162,12 @@ def _nearest(
                         first = 0
                         lowest = INFINITY_BITS
                         for k in range(QCRS_LEAF):
-                            low = _least(features_a, x, k, features_b, y, edge, angle, area)
+                            low = least_bound(features_a, x, k, features_b, y, edge, angle, area)
                             if low < lowest:
                                 lowest, first = low, k
                         near, lanes = np.int32(lowest).view(np.float32), LANE_BITS[first]
                     else:
-                        lanes = _beside(features_a, x, boxes_b, tiles_b[h] + column, lane, edge, angle, area, near)
+                        lanes = lanes_beside(features_a, x, boxes_b, tiles_b[h] + column, lane, edge, angle, area, near)
                     k = -1
                     while lanes != 0:
                         k += 1
@@ -418,9 +176,9 @@ def _nearest(
                         lanes ^= LANE_BITS[k]
                         if k > 0 and trunks_a[x, k] == trunks_a[x, k - 1]:
                             break  # a short leaf repeats its last trunk
-                        mask = _mask(features_a, x, k, features_b, y, edge, angle, area, near)
+                        mask = lanes_within(features_a, x, k, features_b, y, edge, angle, area, near)
                         if sweep == 1 and mask != 0:
-                            mask &= _near(n, mask, facing_a, begin_a + k, facing_b, begin_b, edge, angle, near)
+                            mask &= lanes_near(n, mask, facing_a, begin_a + k, facing_b, begin_b, edge, angle, near)
                         m = -1
                         while mask != 0:
                             m += 1
@@ -434,12 +192,12 @@ def _nearest(
                             one, two = t, u
                             if o < earlier:
                                 one, two = u, t
-                                far, s = _exact(
+                                far, s = exact_distance(
                                     n, offsets_b[u], offsets_a[t], eb, ab, bb, ea, aa, ba, inverse_edge, inverse_angle,
                                     2.0 * abs(wb[u] + wa[t] - 1.0) / sigma_area,
                                 )  # fmt: skip
                             else:
-                                far, s = _exact(
+                                far, s = exact_distance(
                                     n, offsets_a[t], offsets_b[u], ea, aa, ba, eb, ab, bb, inverse_edge, inverse_angle,
                                     2.0 * abs(wa[t] + wb[u] - 1.0) / sigma_area,
                                 )  # fmt: skip
@@ -448,10 +206,10 @@ def _nearest(
                             if far > tops[-1] or far > bests[o]:
                                 continue
                             if far < bests[o] or one < winners[o, 0] or (one == winners[o, 0] and two < winners[o, 1]):
-                                _improve(tops, bests[o], far)
+                                improve(tops, bests[o], far)
                                 bests[o] = far
                                 winners[o, 0], winners[o, 1], winners[o, 2] = one, two, s
-                                reach = margin * _reach(tops[-1], most, epsilon)
+                                reach = margin * reach_of(tops[-1], most, epsilon)
                                 if sweep == 1:
                                     near = np.float32(reach + slack)
                     enough = np.int32(-1) if sweep == 0 else np.float32(near).view(np.int32)
@@ -475,7 +233,7 @@ def _search(
             most = limits[k]
             tops[0], bests[0], winners[0, 0] = limits[k], np.inf, -1
             winners[0, 1] = winners[0, 2] = -1
-        elif limits[k] > scale.margin * _reach(tops[-1], most, scale.epsilon) + scale.slack:
+        elif limits[k] > scale.margin * reach_of(tops[-1], most, scale.epsilon) + scale.slack:
             break
         _nearest(
             pairs[k, 0], a, pairs[k, 1], b, scale, buffers, lone, most, far, owners, earlier, tops, bests, winners, met,
@@ -504,7 +262,7 @@ def _cell_distances(i: int, a: Forest, b: Forest, crowns: Single, scale: Scale, 
                 first, last = tile * TILE_LEAVES, min((tile + 1) * TILE_LEAVES, len(cells) - 1) - 1
                 # Cells come in order of n.
                 if cell_sizes[cells[first]] <= n <= cell_sizes[cells[last]]:
-                    _row(box, crowns, tile, lanes, edge, angle, area, far, row, tile)
+                    row_bounds(box, crowns, tile, lanes, edge, angle, area, far, row, tile)
                 for cell in range(first, last + 1):
                     if cell_sizes[cells[cell]] != n:
                         far[row, tile, cell - first] = np.inf

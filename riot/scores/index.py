@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from riot.kernels.bounds import QCRS_LEAF, TILE_LEAVES
 from riot.kernels.forest import Forest
-from riot.kernels.leaves import QCRS_LEAF, TILE_LEAVES
 from riot.kernels.search import block, partners
 from riot.parameters import QcrsParameters
 from riot.scores.leaves import gather_leaves

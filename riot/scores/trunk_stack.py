@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from riot.kernels.bounds import CORNER_VALUES, FEATURES, QCRS_LEAF, TILE_LEAVES
 from riot.kernels.forest import Forest
-from riot.kernels.leaves import CORNER_VALUES, FEATURES, QCRS_LEAF, TILE_LEAVES, facing, features, lay_out
+from riot.kernels.leaves import facing, features, lay_out
 from riot.scores.leaves import gather_leaves
 from riot.scores.ragged import joined, joined_offsets, running
 from riot.scores.trunks import Trunks

@@ -12,9 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from riot.groundtruth.pairs import exact_pair
-from riot.kernels import leaves as leaf_kernels
-from riot.kernels import search as search_kernels
-from riot.kernels.leaves import FEATURES, QCRS_LEAF, features
+from riot.kernels.bounds import FEATURES, QCRS_LEAF
+from riot.kernels.leaves import features
 from riot.parameters import QcrsParameters
 from riot.scores.crs import gaussian
 from riot.scores.leaves import gather_leaves
@@ -126,11 +125,6 @@ def test_contrasts_bound_the_distance_at_every_shift(seed: int, n: int) -> None:
     least = min(np.abs(x - np.roll(y[::-1], s)).sum() for s in range(n))
     assert first.shape == (FEATURES,)
     assert np.abs(first - second)[1 : FEATURES - 1].max() <= least + 1e-12
-
-
-def test_kernels_agree_on_the_layout_of_leaves() -> None:
-    for name in ("QCRS_LEAF", "TILE_LEAVES", "EDGE_CONTRASTS", "ANGLE_CONTRASTS", "FEATURES", "CORNER_VALUES"):
-        assert getattr(leaf_kernels, name) == getattr(search_kernels, name), name
 
 
 def test_pruned_qcrs_equals_brute_force_on_shapes() -> None:

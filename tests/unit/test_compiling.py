@@ -112,11 +112,11 @@ def test_kernels_are_compiled_once_until_their_code_changes(copy: Copy) -> None:
 
 
 @pytest.mark.system
-@pytest.mark.parametrize("change", ["options", "index"])
-def test_kernels_are_compiled_again_with_other_options_and_when_they_are_gone(copy: Copy, change: str) -> None:
+@pytest.mark.parametrize("change", ["options", "bounds", "index"])
+def test_kernels_are_compiled_again_when_what_they_share_changes_or_they_are_gone(copy: Copy, change: str) -> None:
     copy.run()
-    if change == "options":
-        copy.edit("options")
+    if change != "index":
+        copy.edit(change)
     else:
         next((copy.folder / "cache").rglob("*.nbi")).unlink()
     assert len(copy.run()["says"]) >= 2

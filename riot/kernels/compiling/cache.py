@@ -25,8 +25,8 @@ from pathlib import Path
 from riot.kernels.compiling.uses import kernel_modules
 
 FOLDER = Path(os.path.abspath(__file__)).parents[1]  # noqa: PTH100  (links stay: Numba hashes the name that it sees)
-SHARED = ("options.py", "forest.py")
-"""Files that all modules of kernels stand on."""
+SHARED = ("options.py", "forest.py", "bounds.py")
+"""Files that all modules of kernels stand on: when one changes, every kernel is compiled again."""
 
 COMPILER = ("numba", "llvmlite", "numpy")
 CPU_SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES")
@@ -56,15 +56,11 @@ def compile_module(name: str) -> None:
     folder = cache_folder()
     if folder is None:
         raise OSError(NO_FOLDER)
-    record = folder / _record(name)
-    if record.exists() and not _is_whole(folder, name, set()):
-        for path in _indexes(folder, name):  # Numba does not notice a change of the options
-            path.unlink(missing_ok=True)
     importlib.import_module(f"riot.kernels.{name}").warm()
     if unkept := importlib.import_module("riot.kernels.options").unkept:
         raise OSError(f"{folder}: {unkept[0]}")
     files = [path.name for path in _indexes(folder, name)]
-    _replace(record, json.dumps({"code": _code(name), "files": files}))
+    _replace(folder / _record(name), json.dumps({"code": _code(name), "files": files}))
 
 
 def cache_folder() -> Path | None:
@@ -120,8 +116,13 @@ def _indexes(folder: Path, name: str) -> list[Path]:
 @cache
 def _code(name: str) -> str:
     """The digest of the code of a module's kernels."""
-    contents = [(FOLDER / file).read_bytes() for file in (f"{name}.py", *SHARED)]
-    return hashlib.sha256(b"\0".join(contents)).hexdigest()
+    return hashlib.sha256((FOLDER / f"{name}.py").read_bytes() + shared_code().encode()).hexdigest()
+
+
+@cache
+def shared_code() -> str:
+    """The digest of the files that all modules of kernels stand on."""
+    return hashlib.sha256(b"\0".join((FOLDER / file).read_bytes() for file in SHARED)).hexdigest()
 
 
 @cache
