@@ -91,39 +91,59 @@ def row_bounds(
     return least
 
 
+@inlined
+def _bound_beside(
+    features: Single, leaf: int, k: int, boxes: Single, tile: int, lane: int, edge: F32, angle: F32, area: F32
+) -> Any:
+    """Bound of trunk k of a leaf against the trunks in the box at ``lane`` of a tile."""
+    value = np.float32(1.0) - features[leaf, 0, k]
+    u, v = boxes[tile, 0, lane] - value, value - boxes[tile, 1, lane]
+    w = (u if u > v else v) * area
+    e = np.float32(0.0)
+    for f in range(1, 1 + EDGE_CONTRASTS):
+        value = features[leaf, f, k]
+        u, v = boxes[tile, 2 * f, lane] - value, value - boxes[tile, 2 * f + 1, lane]
+        g = u if u > v else v
+        e = g if g > e else e
+    p, q = boxes[tile, 2 * FEATURES - 2, lane], features[leaf, FEATURES - 1, k]
+    for f in range(FIRST_ALPHA, FIRST_BETA):
+        h = f + ANGLE_CONTRASTS
+        value = features[leaf, f, k]
+        u, v = boxes[tile, 2 * h, lane] - value, value - boxes[tile, 2 * h + 1, lane]
+        g = u if u > v else v
+        p = g if g > p else p
+        value = features[leaf, h, k]
+        u, v = boxes[tile, 2 * f, lane] - value, value - boxes[tile, 2 * f + 1, lane]
+        g = u if u > v else v
+        q = g if g > q else q
+    e *= edge
+    g = (p + q) * angle
+    e = g if g > e else e
+    return w if w > e else e
+
+
 @inner
 def lanes_beside(
     features: Single, leaf: int, boxes: Single, tile: int, lane: int, edge: F32, angle: F32, area: F32, limit: F32
 ) -> Any:
     """Which trunks of a leaf may be within ``limit`` of a trunk in the box at ``lane`` of a tile: one bit each."""
-    unit = np.float32(1.0)
     mask = np.int32(0)
     for k in range(QCRS_LEAF):
-        value = unit - features[leaf, 0, k]
-        u, v = boxes[tile, 0, lane] - value, value - boxes[tile, 1, lane]
-        w = (u if u > v else v) * area
-        e = np.float32(0.0)
-        for f in range(1, 1 + EDGE_CONTRASTS):
-            value = features[leaf, f, k]
-            u, v = boxes[tile, 2 * f, lane] - value, value - boxes[tile, 2 * f + 1, lane]
-            g = u if u > v else v
-            e = g if g > e else e
-        p, q = boxes[tile, 2 * FEATURES - 2, lane], features[leaf, FEATURES - 1, k]
-        for f in range(FIRST_ALPHA, FIRST_BETA):
-            h = f + ANGLE_CONTRASTS
-            value = features[leaf, f, k]
-            u, v = boxes[tile, 2 * h, lane] - value, value - boxes[tile, 2 * h + 1, lane]
-            g = u if u > v else v
-            p = g if g > p else p
-            value = features[leaf, h, k]
-            u, v = boxes[tile, 2 * f, lane] - value, value - boxes[tile, 2 * f + 1, lane]
-            g = u if u > v else v
-            q = g if g > q else q
-        e *= edge
-        g = (p + q) * angle
-        e = g if g > e else e
-        e = w if w > e else e
-        mask = np.int32(mask | (LANE_BITS[k] if e <= limit else np.int32(0)))
+        near = _bound_beside(features, leaf, k, boxes, tile, lane, edge, angle, area) <= limit
+        mask = np.int32(mask | (LANE_BITS[k] if near else np.int32(0)))
+    return mask
+
+
+@inner
+def lanes_beside_each(
+    features: Single, leaf: int, boxes: Single, tile: int, lane: int, edge: F32, angle: F32, area: F32, limits: Single,
+    row: int,
+) -> Any:  # fmt: skip
+    """As `lanes_beside`, each trunk k within a limit of its own, ``limits[row, k]``."""
+    mask = np.int32(0)
+    for k in range(QCRS_LEAF):
+        near = _bound_beside(features, leaf, k, boxes, tile, lane, edge, angle, area) <= limits[row, k]
+        mask = np.int32(mask | (LANE_BITS[k] if near else np.int32(0)))
     return mask
 
 

@@ -73,11 +73,14 @@ def features(
 
 
 @kernel
-def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area: float) -> npt.NDArray[np.int32]:
-    """(l, QCRS_LEAF) numbers of trunks of one shape, leaf by leaf, in order of n; a short leaf repeats its last trunk.
+def gather(
+    values: FloatArray, sizes: IntArray, kinds: IntArray, edge: float, angle: float, area: float
+) -> npt.NDArray[np.int32]:
+    """(l, QCRS_LEAF) numbers of trunks, leaf by leaf, in order of n and kind; a short leaf repeats its last trunk.
 
-    ``values`` (t, FEATURES), ``sizes`` (t,) ascending. The trunks of one n are halved across the feature of greatest
-    spread, in units of the given sigmas, until they fit. The search finds the same with any order, but not as quickly.
+    ``values`` (t, FEATURES), ``sizes`` (t,) and ``kinds`` (t,), in order of both. The trunks of one n and kind are
+    halved across the feature of greatest spread, in units of the given sigmas, until they fit. The search finds the
+    same with any order, but not as quickly.
     """
     count = len(sizes)
     order, keys = np.empty(count, dtype=np.int64), np.empty(count)
@@ -88,7 +91,7 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
     start = 0
     while start < count:
         stop = start
-        while stop < count and sizes[stop] == sizes[start]:
+        while stop < count and sizes[stop] == sizes[start] and kinds[stop] == kinds[start]:
             stop += 1
         leaves += (stop - start + QCRS_LEAF - 1) // QCRS_LEAF
         start = stop
@@ -100,7 +103,7 @@ def gather(values: FloatArray, sizes: IntArray, edge: float, angle: float, area:
     while start < count:
         n = sizes[start]
         stop = start
-        while stop < count and sizes[stop] == n:
+        while stop < count and sizes[stop] == n and kinds[stop] == kinds[start]:
             stop += 1
         for f in range(FEATURES):
             scale[f] = 1.0 / (n * edge) if f < 1 + EDGE_CONTRASTS else 1.0 / (2.0 * n * angle)
@@ -226,7 +229,8 @@ def warm() -> None:
     """Compile on a triangle."""
     offsets, corners, area = np.array([0, 3], dtype=np.int64), np.ones(3), np.ones(1)
     values = features(offsets, corners, corners, corners, area)
-    leaves = gather(values, np.array([3], dtype=np.int64), 1.0, 1.0, 1.0)
+    three = np.array([3], dtype=np.int64)
+    leaves = gather(values, three, three, 1.0, 1.0, 1.0)
     begins = np.array([0, 1], dtype=np.int64)
     out, boxes = np.zeros((1, FEATURES, QCRS_LEAF), np.float32), np.zeros((1, 2 * FEATURES, TILE_LEAVES), np.float32)
     lay_out(leaves, begins, begins, values, out, boxes)

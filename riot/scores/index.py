@@ -54,12 +54,15 @@ class TrunkIndex:
         return len(self.trunks)
 
     @classmethod
-    def build(cls, stacks: Sequence[TrunkStack]) -> TrunkIndex:
-        """Index the shapes of some stacks, numbered in their order."""
+    def build(cls, stacks: Sequence[TrunkStack], kinds: npt.NDArray[np.int64] | None = None) -> TrunkIndex:
+        """Index the shapes of some stacks, numbered in their order; a cell has shapes of one of the ``kinds``
+        (shapes,)."""
         everything = join(stacks)
-        leaves = gather_leaves(everything)
-        n = np.diff(everything.offsets)[leaves[:, 0]]
-        runs = np.flatnonzero(np.diff(n, prepend=0))
+        of_shapes = np.zeros(len(everything), dtype=np.int64) if kinds is None else kinds
+        of_trunks = np.repeat(of_shapes, np.diff(everything.starts))
+        leaves = gather_leaves(everything, of_trunks)
+        n, kind = np.diff(everything.offsets)[leaves[:, 0]], of_trunks[leaves[:, 0]]
+        runs = np.flatnonzero((np.diff(n, prepend=0) != 0) | (np.diff(kind, prepend=-1) != 0))
         first = np.concatenate([np.arange(low, high, CELL_LEAVES) for low, high in _spans(runs, len(n))] + [[len(n)]])
         return cls(everything, lay_out_forest(everything, leaves, first, np.arange(len(first))))
 

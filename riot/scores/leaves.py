@@ -37,8 +37,10 @@ class RaggedTrunks(Protocol):
         """(t,) trunk areas."""
 
 
-def gather_leaves(trunks: RaggedTrunks) -> npt.NDArray[np.int32]:
+def gather_leaves(trunks: RaggedTrunks, kinds: IntArray | None = None) -> npt.NDArray[np.int32]:
     """(l, 16) numbers of similar trunks of one n, in order of n: the leaves of the search (ours).
+
+    With ``kinds`` (t,) a leaf has trunks of one kind, too, and leaves are in order of n and kind.
 
     >>> from riot.scores.trunks import quick_trunks
     >>> gather_leaves(quick_trunks(house)).shape[1]
@@ -46,7 +48,8 @@ def gather_leaves(trunks: RaggedTrunks) -> npt.NDArray[np.int32]:
     """
     usual = QcrsParameters()
     sizes = np.diff(trunks.offsets)
-    order = np.argsort(sizes, kind="stable")
+    kinds = np.zeros(len(sizes), dtype=np.int64) if kinds is None else kinds
+    order = np.lexsort((kinds, sizes))
     values = features(trunks.offsets, trunks.edges, trunks.alphas, trunks.betas, trunks.areas)[order]
-    leaves = gather(values, sizes[order], usual.sigma_e * D_C, usual.sigma_angle, usual.sigma_area)
+    leaves = gather(values, sizes[order], kinds[order], usual.sigma_e * D_C, usual.sigma_angle, usual.sigma_area)
     return order[leaves].astype(np.int32)
