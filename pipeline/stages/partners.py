@@ -55,14 +55,10 @@ class ShardPosition:
 
 @dataclass(frozen=True)
 class Search:
-    """What the inputs of a search are: so many ``batches``, whose shapes are the query, and then ``shards``.
-
-    ``rank``: what is worse than this partner in the own shard need not be found in these; 0 stands for the last.
-    """
+    """What the inputs of a search are: so many ``batches``, whose shapes are the query, and then ``shards``."""
 
     batches: int
     shards: tuple[ShardPosition, ...]
-    rank: int = 0
 
 
 def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex:

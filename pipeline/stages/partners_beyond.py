@@ -6,7 +6,6 @@ The partners that a shape has in its own shard say how good those elsewhere must
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -15,23 +14,19 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.partner_rows import best_rows, join, worst_of_best
-from pipeline.stages.partners import TASK, Search, ShardPosition, Wanted, find_all, query_of, search_item
+from pipeline.stages.joined_search import known_distances, promising_only, search_shards
+from pipeline.stages.partner_rows import join
+from pipeline.stages.partners import Search, ShardPosition, query_of, search_item
 from pipeline.stages.partners import prepare as stack_or_index
-from pipeline.stages.qcrs import COLUMNS
 from pipeline.stages.shards import queries, searches, targets
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact
+from riot import scores
 from riot.types import IntArray
 
 if TYPE_CHECKING:
     from riot.scores.index import TrunkIndex
     from riot.scores.trunk_stack import TrunkStack
-
-
-SPARE = 8
-"""How many times the expected number of a shape's best partners in its own shard are looked at to know how good those
-elsewhere must be, with ``qcrs.mode=approximate``. Ours."""
 
 
 def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex | Artifact:
@@ -47,29 +42,20 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBloc
     """
     settings, count, mode = parameters
     search, stacks, rows = query_of(inputs, spec)
-    shapes, wanted = sum(map(len, stacks)), Wanted(count, settings)
-    least, few = np.zeros(shapes), None
-    known_i, known_score = np.empty(0, np.int64), np.empty(0)
+    whole = scores.index.join(stacks)
+    few = {shape: np.empty(0, np.int64) for shape in range(len(whole)) if shape not in rows}
+    known = np.full((len(whole), count), np.inf)
     for partners in inputs[search.batches + len(search.shards) :]:
-        known_i, known_score = partners.arrays["i"], partners.arrays["score"]
-        least = worst_of_best(known_i, known_score, shapes, search.rank or count)
+        i = partners.arrays["i"].astype(np.int64)
+        known = known_distances(i, partners.arrays["score"], len(whole), count)
         if mode == "approximate":
-            few = promising_trunks(known_i, partners.arrays["promising"], shapes, count)
-    found: list[Artifact] = []
-    for number, position in enumerate(search.shards, start=search.batches):
-        rows_there = find_all(stacks, inputs[number], wanted, position, rows, least, few)
-        arrays = rows_there.arrays
-        found.append(Artifact({**arrays, "j": arrays["j"] + np.int32(position.start)}, rows_there.document))
-        # What is found in one shard narrows the search of the next.
-        known_i, known_score = (
-            np.concatenate(both) for both in ((known_i, arrays["i"]), (known_score, arrays["score"]))
-        )
-        order = np.lexsort((-known_score, known_i))
-        known_i, known_score = known_i[order], known_score[order]
-        least = np.maximum(least, worst_of_best(known_i, known_score, shapes, count))
-    together = join(found)
-    best = best_rows({name: together.arrays[name] for name in COLUMNS}, count)
-    return Artifact({**together.arrays, **best}, together.document)
+            few = {**promising_trunks(i, partners.arrays["promising"], len(whole), count), **few}
+    query, numbers = promising_only(whole, few)
+    shards = (
+        (inputs[number], position.after, position.start)
+        for number, position in enumerate(search.shards, start=search.batches)
+    )
+    return search_shards(query, shards, known, settings, numbers)
 
 
 def promising_trunks(i: IntArray, promising: IntArray, shapes: int, count: int) -> dict[int, IntArray]:
@@ -86,30 +72,17 @@ def promising_trunks(i: IntArray, promising: IntArray, shapes: int, count: int) 
 def items(progress: Progress) -> list[WorkItem]:
     """A work item for each query in each target, without its own shard, by target, so that a worker reads it once."""
     own = {item.block[0]: item for item in progress.finished("partners") if item.block is not None}
-    asked, rank, work = queries(progress), ranks(progress), []
+    asked, work = queries(progress), []
     starts = [shard.members[0] for shard in progress.work["shards"]]
     for t, target in enumerate(targets(progress)):
         for q, query in enumerate(asked):
             shards = [s for s in target if s != query.shard]
             if shards:
                 positions = (ShardPosition(-1, query.shard > s, starts[s] - starts[target[0]]) for s in shards)
-                search = Search(len(query.batches), tuple(positions), rank[query.shard])
+                search = Search(len(query.batches), tuple(positions))
                 known = [own[q]] if q in own else []
                 work.append(search_item(progress, "partners_beyond", (q, t), query, search, shards, *known))
     return work
-
-
-def ranks(progress: Progress) -> list[int]:
-    """Which partner of its own shard a partner elsewhere need not be worse than, by shard; 0, the last, if exact.
-
-    Of a shape's best partners in all shards as many are expected in one as it has of all shapes; with `SPARE` times as
-    many the last of them is seldom nearer than the last of all.
-    """
-    count = progress.config.qcrs.k
-    sizes = [len(shard.members) for shard in progress.work["shards"]]
-    if progress.config.qcrs.mode != "approximate":
-        return [0] * len(sizes)
-    return [min(count, math.ceil(SPARE * count * size / sum(sizes))) for size in sizes]
 
 
 STAGE = Stage(
@@ -122,6 +95,6 @@ STAGE = Stage(
     scope="block",
     prepare=prepare,
     wanted=searches,
-    searches=TASK,
+    searches=1,
     sub_blocks=SubBlocks(join, columns_are_shapes=False),
 )

@@ -3,6 +3,7 @@ from . import crs as crs
 from . import descriptor as descriptor
 from . import edges as edges
 from . import index as index
+from . import knn_join as knn_join
 from . import leaves as leaves
 from . import likeness as likeness
 from . import qcrs as qcrs

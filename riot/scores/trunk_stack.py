@@ -148,6 +148,28 @@ def of_sizes(trunks: TrunkStack, least: int, most: int) -> TrunkStack:
     )
 
 
+def of_trunks(trunks: TrunkStack, kept: npt.NDArray[np.bool_]) -> TrunkStack:
+    """The trunks of which ``kept`` (t,) is true, numbered anew within their shapes; not gathered into leaves.
+
+    >>> from riot.scores.trunks import quick_trunks
+    >>> houses = stack([quick_trunks(house)])
+    >>> len(of_trunks(houses, houses.areas > np.median(houses.areas)).areas) < len(houses.areas)
+    True
+    """
+    sizes = np.diff(trunks.offsets)
+    corners = np.repeat(kept, sizes)
+    return TrunkStack(
+        starts=running(kept)[trunks.starts],
+        offsets=running(sizes[kept]),
+        edges=trunks.edges[corners],
+        alphas=trunks.alphas[corners],
+        betas=trunks.betas[corners],
+        areas=trunks.areas[kept],
+        leaf_starts=np.zeros(len(trunks) + 1, dtype=np.int64),
+        leaves=np.empty((0, QCRS_LEAF), np.int32),
+    )
+
+
 def chosen(shape: TrunkStack, numbers: npt.NDArray[Any]) -> TrunkStack:
     """The trunks ``numbers``, ascending, of a stack of one shape, numbered anew.
 

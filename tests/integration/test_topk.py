@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -124,8 +123,9 @@ def test_the_pairs_are_the_same_however_many_shards_are_searched_in_a_row(
 ) -> None:
     monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", 4)
     qcrs = {"mode": "topk", "k": 1}
+    monkeypatch.setattr(pipeline.stages.shards, "TARGET", 1)
     one = mine(configure(root, tmp_path / "one", store, qcrs=qcrs))
-    monkeypatch.setattr(pipeline.stages.shards, "TARGETS", 3)
+    monkeypatch.setattr(pipeline.stages.shards, "TARGET", 3)
     several = mine(configure(root, tmp_path / "several", store, qcrs=qcrs))
     searches = [mined.stages["partners_beyond"].total for mined in (one, several)]
     assert searches[1] < 0.7 * searches[0]
@@ -192,6 +192,7 @@ def test_which_pairs_are_scored_is_no_part_of_the_keys_of_scores(root: Path, tmp
 
 def test_a_lost_batch_costs_its_own_pairs_only(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", 8)
+    monkeypatch.setattr(pipeline.stages.shards, "TARGET", 1)
     whole = planned(root, tmp_path, "trunks", mode="topk")
     lost = whole.work["trunks"][2]
     left = whole.with_work("trunks", whole.work["trunks"], whole.done - {lost.reference})
@@ -227,19 +228,6 @@ def test_the_approximate_mode_finds_most_of_the_best_pairs_with_their_exact_scor
     pd.testing.assert_frame_equal(kept.table, exact, check_exact=True)
     assert kept.search is not None and kept.search.approximate == 1
     assert "nearly every pair" in kept.search.sentence(1) and "qcrs.mode=approximate" in kept.search.sentence(1)
-
-
-def test_how_good_partners_elsewhere_must_be_depends_on_the_share_of_the_own_shard(
-    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(pipeline.stages.shards, "SHAPES_PER_SHARD", 4)
-    monkeypatch.setattr(pipeline.stages.partners_beyond, "SPARE", 1)
-    exact = planned(root, tmp_path, "partners_beyond", mode="topk", k=40)
-    assert {item.spec.rank for item in exact.work["partners_beyond"]} == {0}
-    plan = planned(root, tmp_path, "partners_beyond", mode="approximate", k=40)
-    sizes = {position: len(shard.members) for shard in plan.work["shards"] for position in shard.members}
-    for item in plan.work["partners_beyond"]:
-        assert item.spec.rank == math.ceil(40 * sizes[item.members[0]] / len(plan.items)) < 40
 
 
 TOPK = ("qcrs.mode=topk", "qcrs.k=3")
