@@ -15,7 +15,6 @@ import pipeline.runtime.threads  # noqa: F401  (before anything that loads a num
 # ruff: isort: split
 import argparse
 import json
-import math
 import resource
 import sys
 import tempfile
@@ -30,16 +29,17 @@ from grown import SEED, grown_trunks, members
 from inputs import pictures
 from recall_plot import Growth, draw
 
-from pipeline.stages.partner_rows import worst_of_best
+from pipeline.stages.joined_search import known_distances, promising_only
 from pipeline.stages.partners import MARGIN, ShardPosition, Wanted, find
-from pipeline.stages.partners_beyond import SPARE, promising_trunks
+from pipeline.stages.partners_beyond import promising_trunks
 from pipeline.stages.shards import SHAPES_PER_SHARD
-from pipeline.store.artifact import Artifact
+from pipeline.store.artifact import AnyArray
 from riot.parameters import QcrsParameters
 from riot.scores.index import TrunkIndex, join
+from riot.scores.knn_join import join_partners, lay_out_queries
 from riot.scores.qcrs import score_pairs
 from riot.scores.trunk_stack import TrunkStack, stack
-from riot.types import FloatArray, IntArray
+from riot.types import FloatArray
 
 AMPLITUDE = 0.15
 """Of a deformation: one in four is a near-duplicate of its picture, on MPEG-7."""
@@ -52,19 +52,18 @@ T = TypeVar("T")
 
 @dataclass
 class Batch:
-    """Shapes of one part that look for partners: what each mode found so far, rows of (shape, part, j, score)."""
+    """Shapes of one part that look for partners, and by mode: the trunks that are compared in other parts, laid out,
+    the distances of partners so far, and what was found, rows of (shape, part, j, score)."""
 
     part: int
-    first: int
-    trunks: TrunkStack
-    limits: dict[str, FloatArray]
-    few: dict[int, IntArray]
+    queries: dict[str, TrunkIndex]
+    known: dict[str, FloatArray]
     found: dict[str, list[tuple[int, int, int, float]]]
 
-    def add(self, mode: str, part: int, rows: Artifact) -> None:
+    def add(self, mode: str, part: int, i: AnyArray, j: AnyArray, score: FloatArray) -> None:
         """Note the rows of a search."""
-        i, j, score = (rows.arrays[name].tolist() for name in ("i", "j", "score"))
-        self.found[mode] += [(a, part, b, value) for a, b, value in zip(i, j, score, strict=True)]
+        rows = zip(i.tolist(), j.tolist(), score.tolist(), strict=True)
+        self.found[mode] += [(a, part, b, value) for a, b, value in rows]
 
     def best(self, mode: str, shape: int, count: int) -> set[tuple[int, int]]:
         """The ``count`` best partners of a shape, as part and number."""
@@ -85,31 +84,36 @@ def measure(files: Sequence[Path], batches: int, size: int, count: int) -> Growt
     own = sorted({int((k + 0.5) * len(files) / batches) for k in range(batches)})
     usual, sizes, asking = QcrsParameters(), [], []
     for part in own:
-        index = _laid_out(_load(files[part]))
+        index = TrunkIndex.build([_load(files[part])])
         first = (len(index) - size) // 2
         query = join([index.trunks.shape(k) for k in range(first, first + size)])
-        batch = Batch(part, first, query, {}, {}, {"topk": [], "approximate": []})
+        batch = Batch(part, {}, {}, {"topk": [], "approximate": []})
         position = ShardPosition(first, False)
-        rank = min(count, math.ceil(SPARE * count / len(files)))
-        for mode, margin, last in (("topk", 1.0, count), ("approximate", MARGIN, rank)):
+        for mode, margin in (("topk", 1.0), ("approximate", MARGIN)):
             wanted = Wanted(count, usual, margin)
-            rows = timed(mode, lambda: find(query, index, wanted, position, range(size), np.zeros(size)))  # noqa: B023
-            batch.add(mode, part, rows)
-            i, score = rows.arrays["i"], rows.arrays["score"]
-            batch.limits[mode] = worst_of_best(i, score, size, last)
-            batch.few = promising_trunks(i, rows.arrays["promising"], size, count)
+            rows = timed(mode, lambda: find(query, index, wanted, position, range(size), np.zeros(size))).arrays  # noqa: B023
+            batch.add(mode, part, rows["i"], rows["j"], rows["score"])
+            batch.known[mode] = known_distances(rows["i"], rows["score"], size, count)
+            few = promising_trunks(rows["i"], rows["promising"], size, count) if mode == "approximate" else {}
+            batch.queries[mode] = timed(
+                mode,
+                lambda: lay_out_queries(promising_only(query, few)[0], batch.known[mode]),  # noqa: B023
+            )
         asking.append(batch)
     for part, file in enumerate(files):
         trunks = _load(file)
-        index = timed("index", lambda: _laid_out(trunks))  # noqa: B023
+        index = timed("index", lambda: TrunkIndex.build([trunks]))  # noqa: B023
         sizes.append(len(index))
         for batch in asking:
             if batch.part != part:
-                position = ShardPosition(-1, batch.part > part)
-                for mode, few in (("topk", None), ("approximate", batch.few)):
-                    least, of = batch.limits[mode], Wanted(count, usual)
-                    batch.add(mode, part, timed(mode, lambda: find(
-                        batch.trunks, index, of, position, range(size), least, few)))  # noqa: B023  # fmt: skip
+                earlier = np.full(size, len(index) * (batch.part > part), dtype=np.int64)
+                for mode, laid_out in batch.queries.items():
+                    joined = timed(
+                        mode,
+                        lambda: join_partners(index, laid_out, batch.known[mode], usual, earlier),  # noqa: B023
+                    )
+                    batch.known[mode] = joined.tops
+                    batch.add(mode, part, joined.scores.i, joined.scores.j, joined.scores.score)
     shares = [
         len(exact & batch.best("approximate", shape, count)) / len(exact)
         for batch in asking
@@ -129,13 +133,6 @@ def measure(files: Sequence[Path], batches: int, size: int, count: int) -> Growt
         least_recall=float(np.min(shares)),
         peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     )
-
-
-def _laid_out(trunks: TrunkStack) -> TrunkIndex:
-    """The index of a part, and its trunks as `find` scores them again."""
-    index = TrunkIndex.build([trunks])
-    score_pairs(index.trunks, index.trunks, np.zeros((1, 2), dtype=np.int64))
-    return index
 
 
 def _pair_ms(trunks: TrunkStack) -> float:
@@ -170,8 +167,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--sizes", default="1280,2560,5120", help="numbers of shapes, with commas")
     parser.add_argument("--amplitude", type=float, default=AMPLITUDE, help="of the deformations, in units of √area")
     parser.add_argument("--k", type=int, default=20, help="partners of a shape")
-    parser.add_argument("--batches", type=int, default=6, help="batches that look for partners")
-    parser.add_argument("--batch", type=int, default=12, help="shapes of such a batch")
+    parser.add_argument("--batches", type=int, default=4, help="batches that look for partners")
+    parser.add_argument("--batch", type=int, default=96, help="shapes of such a batch")
     parser.add_argument("--part", type=int, default=SHAPES_PER_SHARD, help="shapes of a part of the index")
     parser.add_argument("--parts", type=Path, help="a folder that keeps the trunks for other runs")
     parser.add_argument("--json", type=Path, help="write the figures to this file too")
