@@ -22,7 +22,7 @@ from pipeline.runtime.events import Listener, Note
 from pipeline.runtime.execute import Run, open_run
 from pipeline.runtime.profile import PROFILE, check_profile
 from pipeline.runtime.quarantine import bring_blocks, bring_shapes
-from pipeline.runtime.reuse import with_older_blocks
+from pipeline.runtime.reuse import with_older_results
 from pipeline.stages.all import STAGES, begin_run
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.location import Location
@@ -161,7 +161,7 @@ def run_stages(progress: Progress, run: Run) -> Progress:
             items = list(stage.items(progress))
             if not stage.is_due(items):
                 continue  # no line of output for a stage without work
-            run.stage(stage, with_older_blocks(run.store, items))
+            run.stage(stage, with_older_results(run.store, items))
         progress = progress.with_work(stage.name, items, frozenset(run.done), lost)
     return progress
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from pipeline.plan.sub_block import Sides, SubBlock
+from pipeline.plan.sub_block import Sides
 from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.clusters import Bundle
 from pipeline.stages.all import BY_NAME
 from pipeline.stages.block_rows import ReusingBlock
-from pipeline.stages.partners import Search
+from pipeline.stages.reused_search import whole_search
 
 TASKS_PER_WORKER = 4
 
@@ -21,7 +21,7 @@ def bundles(items: Sequence[WorkItem], workers: int) -> list[Bundle]:
         return []
     stage, least = BY_NAME[items[0].stage], TASKS_PER_WORKER * workers
     if stage.searches:
-        widest = max(_search(item).batches for item in items)
+        widest = max(whole_search(item.spec).batches for item in items)
         return searches(items, max(1, min(stage.searches // widest, len(items) // least)))
     if stage.tile:
         # Of large groups a tile has few: as many batches on a side as of small ones.
@@ -36,7 +36,7 @@ def searches(items: Sequence[WorkItem], most: int) -> list[Bundle]:
     """Group searches into tasks of at most ``most`` in the same shards, about as many in each."""
     of_shards: dict[Sequence[Reference], list[WorkItem]] = {}
     for item in items:
-        search = _search(item)
+        search = whole_search(item.spec)
         shards = item.sources[search.batches : search.batches + len(search.shards)]
         of_shards.setdefault(shards, []).append(item)
     return [
@@ -45,11 +45,6 @@ def searches(items: Sequence[WorkItem], most: int) -> list[Bundle]:
         for size in [math.ceil(len(part) / math.ceil(len(part) / most))]
         for start in range(0, len(part), size)
     ]
-
-
-def _search(item: WorkItem) -> Search:
-    search: Search = item.spec.whole if isinstance(item.spec, SubBlock) else item.spec
-    return search
 
 
 def tiles(items: Sequence[WorkItem], side: int) -> list[Bundle]:

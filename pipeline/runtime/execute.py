@@ -22,6 +22,7 @@ from pipeline.runtime.stage_kernels import StageKernels
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
 from pipeline.stages.block_rows import ReusingBlock
+from pipeline.stages.reused_search import ReusingSearch
 from pipeline.stages.stage import Stage
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import State, Store
@@ -180,8 +181,9 @@ class Run:
 
 
 def _needed(item: WorkItem) -> Sequence[Reference]:
-    """The inputs without which a work item cannot be done: older blocks only save work."""
-    return item.sources[: len(item.parts.inputs)] if isinstance(item.spec, ReusingBlock) else item.sources
+    """The inputs without which a work item cannot be done: older blocks and searches only save work."""
+    reuses = isinstance(item.spec, ReusingBlock | ReusingSearch)
+    return item.sources[: len(item.parts.inputs)] if reuses else item.sources
 
 
 @contextlib.contextmanager

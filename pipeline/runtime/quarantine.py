@@ -19,7 +19,7 @@ from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.events import Note
 from pipeline.runtime.execute import Run
-from pipeline.runtime.reuse import with_older_blocks
+from pipeline.runtime.reuse import with_older_results
 from pipeline.runtime.worker import Failure
 from pipeline.stages.all import STAGES
 from pipeline.stages.shape_arrays import join_single
@@ -116,7 +116,7 @@ def bring_blocks(progress: Progress, stage: Stage, run: Run) -> tuple[list[WorkI
     """
     assert stage.sub_blocks is not None
     work = list(stage.items(progress))
-    run.stage(stage, with_older_blocks(run.store, work))
+    run.stage(stage, with_older_results(run.store, work))
     failures = dict(run.failed)
     deadly = [item for item in work if _deadly(failures.get(item.reference))]
     if not deadly or edited_since_start(stage.module):

@@ -9,8 +9,18 @@ import numpy as np
 
 from pipeline.plan.sub_block import SubBlock
 from pipeline.stages.qcrs import COLUMNS
-from pipeline.store.artifact import Artifact
+from pipeline.store.artifact import AnyArray, Artifact
 from riot.types import FloatArray, IntArray
+
+Rows = Mapping[str, AnyArray]
+"""Pairs of a shape i that is searched for and a partner j, by column; some functions need i and score only."""
+
+NONE_KNOWN: Rows = {"i": np.empty(0, np.int32), "score": np.empty(0)}
+"""No partners."""
+
+SEARCHED = {"searched": np.int32, "least": np.float64}
+"""Of an exact search, by name, the types of what it says of each shape that was searched for: its number, and the score
+of the last of its best partners that are known then, 0 where there are fewer. No other partner scores more."""
 
 TYPES = {"score": np.float64, "n": np.int8, "shift": np.int8}
 """Types of columns; the others are int32."""
@@ -33,8 +43,38 @@ def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock] = ()) -> Artifa
     promising = rows.pop("promising")
     compared = sum(int(artifact.document["compared"]) for artifact in artifacts)
     columns = {name: column[order] for name, column in rows.items()}
-    in_order = promising[np.argsort(promising[:, 0], kind="stable")]
-    return Artifact({**columns, "promising": in_order}, {"compared": compared})
+    columns["promising"] = promising[np.argsort(promising[:, 0], kind="stable")]
+    if all(SEARCHED.keys() <= artifact.arrays.keys() for artifact in artifacts):
+        known = [{name: np.empty(0, kind) for name, kind in SEARCHED.items()}, *(a.arrays for a in artifacts)]
+        searched = {name: np.concatenate([arrays[name] for arrays in known]) for name in SEARCHED}
+        by_shape = np.argsort(searched["searched"], kind="stable")
+        columns |= {name: array[by_shape] for name, array in searched.items()}
+    return Artifact(columns, {"compared": compared})
+
+
+def counting(found: Artifact, searched: IntArray, known: Rows, shapes: int, count: int) -> Artifact:
+    """The rows of an exact search for the shapes ``searched``, of ``shapes``, that count beside the ``known`` ones.
+
+    A partner counts that scores no less than the last of the ``count`` best of the known ones and of those found.
+    Therefore the rows do not depend on how they were found, and whoever has them knows what all others are below.
+    """
+    least = last_of_best([known, found.arrays], shapes, count)
+    rows = not_below({name: found.arrays[name] for name in COLUMNS}, least)
+    rows |= {"promising": np.empty((0, 2), np.int32), "searched": searched.astype(np.int32), "least": least[searched]}
+    return Artifact(rows, found.document)
+
+
+def not_below(rows: Rows, least: FloatArray) -> dict[str, AnyArray]:
+    """The rows that score no less than their shape's ``least`` (shapes,)."""
+    good = rows["score"] >= least[rows["i"]]
+    return {name: column[good] for name, column in rows.items()}
+
+
+def last_of_best(pieces: Sequence[Rows], shapes: int, count: int) -> FloatArray:
+    """`worst_of_best` of several pieces together, whose rows are in any order."""
+    i, score = (np.concatenate([piece[name] for piece in pieces]) for name in ("i", "score"))
+    order = np.lexsort((-score, i))
+    return worst_of_best(i[order], score[order], shapes, count)
 
 
 def worst_of_best(i: IntArray, score: FloatArray, shapes: int, count: int) -> FloatArray:

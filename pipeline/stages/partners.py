@@ -17,8 +17,9 @@ import numpy as np
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
-from pipeline.stages.partner_rows import best_rows, join
+from pipeline.stages.partner_rows import NONE_KNOWN, best_rows, join
 from pipeline.stages.qcrs import COLUMNS, stack_of_batch
+from pipeline.stages.reused_search import ReusingSearch, search_exactly, whole_search
 from pipeline.stages.shards import Query, is_shard, queries, searches, unpack
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact
@@ -61,30 +62,43 @@ class Search:
     shards: tuple[ShardPosition, ...]
 
 
-def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex:
-    """The stack of a batch's trunks, or the index of a shard."""
+def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex | Artifact:
+    """The stack of a batch's trunks, or the index of a shard; another search as it is."""
+    if "trunk_i" in artifact.arrays:
+        return artifact
     return unpack(artifact) if is_shard(artifact) else stack_of_batch(artifact)
 
 
-def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBlock) -> Artifact:
+def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBlock | ReusingSearch) -> Artifact:
     """Stacks of the query's batches and index of its shard → rows, each i's best first.
 
     i numbers the query's shapes, j the shard's. A `SubBlock` restricts the rows i. Only scores above 0 count; among
     equals the earlier j comes first. Score, ``trunk_i``, ``trunk_j`` and ``shift`` are of the pair with its earlier
     shape first, in whichever direction it was searched. ``compared`` in the document counts the pairs of which the
-    distance of two trunks was computed. ``promising`` (p, 2) are shapes of the query and their trunks that
-    are worth comparing in other shards.
+    distance of two trunks was computed. ``promising`` (p, 2) are, in the approximate
+    mode, shapes of the query and their trunks that are worth comparing in other shards; in the exact one there are the
+    arrays `SEARCHED`.
     """
     settings, count, mode = parameters
-    search, stacks, rows = query_of(inputs, spec)
     wanted = Wanted(count, settings, MARGIN if mode == "approximate" else 1.0)
-    least = np.zeros(sum(map(len, stacks)))
-    return find_all(stacks, inputs[search.batches], wanted, search.shards[0], rows, least)
+    if mode == "approximate":
+        search, stacks, rows = query_of(inputs, spec)
+        least = np.zeros(sum(map(len, stacks)))
+        return find_all(stacks, inputs[search.batches], wanted, search.shards[0], rows, least)
+
+    def find_some(stacks: Sequence[TrunkStack], rows: IntArray) -> Artifact:
+        search = whole_search(spec)
+        least = np.zeros(sum(map(len, stacks)))
+        runs = [range(run[0], run[-1] + 1) for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)]
+        index = inputs[search.batches]
+        return join([find_all(stacks, index, wanted, search.shards[0], run, least) for run in runs])
+
+    return search_exactly(inputs, spec, wanted, NONE_KNOWN, find_some)
 
 
-def query_of(inputs: Sequence[Any], spec: Search | SubBlock) -> tuple[Search, list[TrunkStack], range]:
+def query_of(inputs: Sequence[Any], spec: Search | SubBlock | ReusingSearch) -> tuple[Search, list[TrunkStack], range]:
     """What a work item searches, the stacks of its query, and which of the query's shapes are searched for."""
-    search = spec.whole if isinstance(spec, SubBlock) else spec
+    search = whole_search(spec)
     stacks = list(inputs[: search.batches])
     return search, stacks, range(*spec.rows) if isinstance(spec, SubBlock) else range(sum(map(len, stacks)))
 

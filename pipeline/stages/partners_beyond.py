@@ -6,7 +6,7 @@ The partners that a shape has in its own shard say how good those elsewhere must
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,9 +15,9 @@ from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.joined_search import known_distances, promising_only, search_shards
-from pipeline.stages.partner_rows import join
-from pipeline.stages.partners import Search, ShardPosition, query_of, search_item
-from pipeline.stages.partners import prepare as stack_or_index
+from pipeline.stages.partner_rows import NONE_KNOWN, join
+from pipeline.stages.partners import Search, ShardPosition, Wanted, prepare, query_of, search_item
+from pipeline.stages.reused_search import ReusingSearch, search_exactly, whole_search
 from pipeline.stages.shards import queries, searches, targets
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact
@@ -25,37 +25,40 @@ from riot import scores
 from riot.types import IntArray
 
 if TYPE_CHECKING:
-    from riot.scores.index import TrunkIndex
     from riot.scores.trunk_stack import TrunkStack
 
 
-def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex | Artifact:
-    """The stack of a batch's trunks, the index of a shard, or the partners in the own shard as they are."""
-    return artifact if "trunk_i" in artifact.arrays else stack_or_index(artifact)
-
-
-def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBlock) -> Artifact:
+def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBlock | ReusingSearch) -> Artifact:
     """Stacks of the query's batches, indices of shards, partners in the own shard → rows as those of
     `pipeline.stages.partners`, of all shards together.
 
     Without the last input, because that search failed, all partners in the shards count.
     """
     settings, count, mode = parameters
-    search, stacks, rows = query_of(inputs, spec)
-    whole = scores.index.join(stacks)
-    few = {shape: np.empty(0, np.int64) for shape in range(len(whole)) if shape not in rows}
-    known = np.full((len(whole), count), np.inf)
-    for partners in inputs[search.batches + len(search.shards) :]:
-        i = partners.arrays["i"].astype(np.int64)
-        known = known_distances(i, partners.arrays["score"], len(whole), count)
-        if mode == "approximate":
-            few = {**promising_trunks(i, partners.arrays["promising"], len(whole), count), **few}
-    query, numbers = promising_only(whole, few)
-    shards = (
-        (inputs[number], position.after, position.start)
-        for number, position in enumerate(search.shards, start=search.batches)
-    )
-    return search_shards(query, shards, known, settings, numbers)
+    search = whole_search(spec)
+    end = spec.inputs if isinstance(spec, ReusingSearch) else len(inputs)
+    partners = [partners.arrays for partners in inputs[search.batches + len(search.shards) : end]]
+
+    def find(stacks: Sequence[TrunkStack], rows: Iterable[int]) -> Artifact:
+        whole, some = scores.index.join(stacks), set(rows)
+        few = {shape: np.empty(0, np.int64) for shape in range(len(whole)) if shape not in some}
+        known = np.full((len(whole), count), np.inf)
+        for arrays in partners:
+            i = arrays["i"].astype(np.int64)
+            known = known_distances(i, arrays["score"], len(whole), count)
+            if mode == "approximate":
+                few = {**promising_trunks(i, arrays["promising"], len(whole), count), **few}
+        query, numbers = promising_only(whole, few)
+        shards = (
+            (inputs[number], position.after, position.start)
+            for number, position in enumerate(search.shards, start=search.batches)
+        )
+        return search_shards(query, shards, known, settings, numbers)
+
+    if mode == "approximate":
+        _, stacks, rows = query_of(inputs, spec)
+        return find(stacks, rows)
+    return search_exactly(inputs, spec, Wanted(count, settings), partners[0] if partners else NONE_KNOWN, find)
 
 
 def promising_trunks(i: IntArray, promising: IntArray, shapes: int, count: int) -> dict[int, IntArray]:

@@ -63,15 +63,16 @@ def spans(progress: Progress) -> list[Sequence[int]]:
     breaks = [index for index in range(1, len(present)) if present[index] != present[index - 1] + 1]
     ranges: list[Sequence[int]] = []
     for low, high in pairwise([0, *breaks, len(present)]):
-        contents = [_content(progress, [number]) for number in present[low:high]]
+        contents = [_first_picture(progress, number) for number in present[low:high]]
         cuts = cut(contents, max(1, SHAPES_PER_SHARD // progress.config.batch), SPREAD)
         ranges += [present[low + span.start : low + span.stop] for span in cuts]
     return ranges
 
 
-def _content(progress: Progress, batches: Sequence[int]) -> str:
-    # By the pictures, not by the keys: an edit of code or of a parameter leaves the spans as they are.
-    return "".join(digest for number in batches for digest in progress.work["ingest"][number].parts.inputs)
+def _first_picture(progress: Progress, batch: int) -> str:
+    # By a picture, not by a key: an edit of code or of a parameter leaves the spans as they are. By the first one only:
+    # a new picture elsewhere in a batch does not move its shapes, and their neighbours', into another shard.
+    return progress.work["ingest"][batch].parts.inputs[0]
 
 
 def queries(progress: Progress) -> list[Query]:
@@ -98,7 +99,7 @@ def targets(progress: Progress) -> list[range]:
     breaks = sorted({0, len(of_batches), *gaps, *apart, *(number + 1 for number in apart)})
     found = []
     for low, high in pairwise(breaks):
-        cuts = cut([_content(progress, of_batches[number]) for number in range(low, high)], TARGET, SPREAD)
+        cuts = cut([_first_picture(progress, of_batches[number][0]) for number in range(low, high)], TARGET, SPREAD)
         found += [range(low + part.start, low + part.stop) for part in cuts]
     return found
 

@@ -22,7 +22,7 @@ from pipeline.plan import batches
 from pipeline.plan.progress import Progress
 from pipeline.plan.sub_block import Sides
 from pipeline.runtime.bundles import tiles
-from pipeline.runtime.reuse import with_older_blocks
+from pipeline.runtime.reuse_blocks import with_older_blocks
 from pipeline.stages.block_rows import Columns, Reused, ReusingBlock, block_rows, ordered
 from pipeline.store.artifact import encode
 from pipeline.store.store import PAYLOAD, Store
