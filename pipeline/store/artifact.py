@@ -42,7 +42,7 @@ def encode(artifact: Artifact) -> bytes:
     Raises `PayloadError` for an array of objects or strings.
     """
     entries: list[dict[str, Any]] = []
-    chunks: list[bytes] = []
+    chunks: list[bytes | memoryview] = []
     position = 0
     for name in sorted(artifact.arrays):
         array = np.asarray(artifact.arrays[name])
@@ -50,14 +50,14 @@ def encode(artifact: Artifact) -> bytes:
             raise PayloadError(f"array {name!r} has dtype {array.dtype}; an artifact holds numbers and booleans only")
         shape = array.shape  # ascontiguousarray makes a scalar one-dimensional
         little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-        data = little.tobytes()
+        data = little.reshape(-1).view(np.uint8).data  # no copy: an array may be a part of an index
         padding = -position % ALIGNMENT
         position += padding
         entries.append(
-            {"name": name, "dtype": little.dtype.str, "shape": list(shape), "offset": position, "bytes": len(data)}
+            {"name": name, "dtype": little.dtype.str, "shape": list(shape), "offset": position, "bytes": data.nbytes}
         )
         chunks += [b"\0" * padding, data]
-        position += len(data)
+        position += data.nbytes
     header = canonical_json({"arrays": entries, "document": artifact.document}).encode()
     start = len(MAGIC) + 8 + len(header)
     return b"".join([MAGIC, struct.pack("<Q", len(header)), header, b"\0" * (-start % ALIGNMENT), *chunks])

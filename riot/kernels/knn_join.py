@@ -230,6 +230,8 @@ def warm() -> None:
         np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.ones(9 * QCRS_LEAF, np.float32),
         ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, area,
     )  # fmt: skip
+    for array in forest:
+        array.flags.writeable = False
     cells = Cells(forest, np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.zeros(1, np.int32))
     found = Found(np.ones((1, 1)), np.ones((1, 1)), np.full((1, 1, 3), -1, np.int32), np.zeros((1, 1), np.bool_))
     join(cells, cells, Scale(0.1, 0.5, 0.1, 1e-4, 1.0, 0.0), np.zeros(1, np.int64), found)

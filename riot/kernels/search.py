@@ -334,6 +334,8 @@ def warm() -> None:
         np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.ones(9 * QCRS_LEAF, np.float32),
         ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, area,
     )  # fmt: skip
+    for array in forest:
+        array.flags.writeable = False
     out, winners = np.empty(1), np.empty((1, 3), np.int32)
     block(
         np.zeros((1, 2), np.int64),
@@ -357,5 +359,5 @@ def warm() -> None:
         np.ones(1),
         winners,
         met,
-        area,
+        np.ones(1),
     )

@@ -76,6 +76,9 @@ class TrunkStack:
     @cached_property
     def forest(self) -> Forest:
         """These trunks, laid out for the search."""
+        if not self.edges.flags.writeable:
+            # Copies: the kernels that lay out would compile a second time for read-only arrays.
+            return replace(self, **{name: np.array(array) for name, array in self.to_arrays().items()}).forest
         shape = np.repeat(np.arange(len(self)), np.diff(self.leaf_starts))
         trunks = (self.leaves + self.starts[shape, None]).astype(np.int32)
         n = np.diff(self.offsets)[trunks[:, 0]]
@@ -217,7 +220,7 @@ def lay_out_forest(
         trunks.betas,
         corners,
     )
-    return Forest(
+    forest = Forest(
         groups=groups.astype(np.int64),
         sizes=sizes,
         leaves=first.astype(np.int64),
@@ -234,3 +237,12 @@ def lay_out_forest(
         betas=trunks.betas,
         areas=trunks.areas,
     )
+    return read_only(forest)
+
+
+def read_only(forest: Forest) -> Forest:
+    """The same forest by read-only views: compiled kernels know one type of forest, that of a mapped file."""
+    views = {name: array.view() for name, array in forest._asdict().items()}
+    for view in views.values():
+        view.flags.writeable = False
+    return Forest(**views)
