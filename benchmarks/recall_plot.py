@@ -15,7 +15,8 @@ class Growth:
     """CPU milliseconds of one of ``shapes`` shapes, of which ``asked`` looked for partners.
 
     ``index_ms`` is the part of both searches that the index takes; ``recall`` the mean share of the best partners that
-    the approximate mode finds, ``least_recall`` the least of a shape.
+    the approximate mode finds, ``least_recall`` the least of a shape, ``low_scores`` the share of those found that score
+    too low.
     """
 
     shapes: int
@@ -26,6 +27,7 @@ class Growth:
     approximate_ms: float
     recall: float
     least_recall: float
+    low_scores: float
     peak_mb: float
 
     @property
@@ -45,7 +47,8 @@ class Growth:
             f"{self.shapes:>6} shapes, {self.asked} asked: all {self.all_ms:8.1f} ms a shape, "
             f"index {self.index_ms:.2f}, topk {self.exact_ms:7.2f} ({self.exact:.3f} of all), "
             f"approximate {self.approximate_ms:6.2f} ({self.approximate:.3f}), "
-            f"recall {self.recall:.4f}, least {self.least_recall:.2f}, {self.peak_mb:.0f} MB"
+            f"recall {self.recall:.4f}, least {self.least_recall:.2f}, too low {self.low_scores:.4f}, "
+            f"{self.peak_mb:.0f} MB"
         )
 
 

@@ -156,7 +156,7 @@ def test_the_approximate_search_is_measured_against_the_exact_one(tmp_path: Path
     assert done.returncode == 0, done.stderr
     one, three = json.loads(figures.read_text(encoding="utf-8"))
     # A collection of one part is searched exactly; a batch of it is asked once.
-    assert (one["shapes"], one["asked"], one["recall"]) == (6, 2, 1.0)
+    assert (one["shapes"], one["asked"], one["recall"], one["low_scores"]) == (6, 2, 1.0, 0.0)
     assert (three["shapes"], three["asked"]) == (18, 4) and 0.5 < three["least_recall"] <= three["recall"] <= 1.0
     assert plot.read_text(encoding="utf-8").startswith("<?xml")
 
