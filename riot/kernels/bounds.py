@@ -191,22 +191,29 @@ def _near_for(n: int) -> Callable[..., Any]:
     size = U64(n)
 
     @inner
-    def near(ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
+    def near(lanes: np.int32, ca: Single, x: int, cb: Single, y: int, edge: F32, angle: F32, limit: F32) -> Any:
         own, first = U64(x), U64(y)
         mask = np.int32(0)
         for s in range(size):
+            # At most shifts the edges of no trunk match, so that angles need not be compared.
+            close = np.int32(0)
             for lane in range(LANES):
-                e, g = np.float32(0.0), np.float32(0.0)
+                e = np.float32(0.0)
                 for j in range(size):
                     m = s + j if s + j < size else s + j - size
                     e += abs(ca[own + (size - U64(1) - j) * LANES] - cb[first + m * LANES + lane])
+                close = np.int32(close | (LANE_BITS[lane] if e * edge <= limit else np.int32(0)))
+            close = np.int32(close & lanes)
+            if close == 0:
+                continue
+            for lane in range(LANES):
+                g = np.float32(0.0)
                 for j in range(size):
                     m = s + j if s + j < size else s + j - size
                     back = size - j if j > U64(0) else U64(0)
                     g += abs(ca[own + (size + size + back) * LANES] - cb[first + (size + m) * LANES + lane])
                     g += abs(ca[own + (size + back) * LANES] - cb[first + (size + size + m) * LANES + lane])
-                near = (e * edge <= limit) & (g * angle <= limit)
-                mask = np.int32(mask | (LANE_BITS[lane] if near else np.int32(0)))
+                mask = np.int32(mask | ((close & LANE_BITS[lane]) if g * angle <= limit else np.int32(0)))
         return mask
 
     return near
@@ -252,13 +259,13 @@ def lanes_near(
     The leaf's corners begin at y, those of the other trunk at x.
     """
     if n == 4:
-        return _near_4(ca, x, cb, y, edge, angle, limit)
+        return _near_4(lanes, ca, x, cb, y, edge, angle, limit)
     if n == 3:
-        return _near_3(ca, x, cb, y, edge, angle, limit)
+        return _near_3(lanes, ca, x, cb, y, edge, angle, limit)
     if n == 5:
-        return _near_5(ca, x, cb, y, edge, angle, limit)
+        return _near_5(lanes, ca, x, cb, y, edge, angle, limit)
     if n == 6:
-        return _near_6(ca, x, cb, y, edge, angle, limit)
+        return _near_6(lanes, ca, x, cb, y, edge, angle, limit)
     return _near_any(n, lanes, ca, x, cb, y, edge, angle, limit)
 
 
