@@ -15,8 +15,8 @@ class Growth:
     """CPU milliseconds of one of ``shapes`` shapes, of which ``asked`` looked for partners.
 
     ``index_ms`` is the part of both searches that the index takes; ``recall`` the mean share of the best partners that
-    the approximate mode finds, ``least_recall`` the least of a shape, ``low_scores`` the share of those found that score
-    too low.
+    the approximate mode finds, ``least_recall`` the least of a shape, ``low_scores`` the share of those found that
+    score too low.
     """
 
     shapes: int
