@@ -45,7 +45,7 @@ def promising_only(query: TrunkStack, few: Mapping[int, IntArray]) -> tuple[Trun
         kept[query.starts[shape] : query.starts[shape + 1]] = False
         kept[query.starts[shape] + trunks] = True
     number = np.arange(len(query.areas)) - np.repeat(query.starts[:-1], np.diff(query.starts))
-    return scores.trunk_stack.of_trunks(query, kept), number[kept]
+    return (query if kept.all() else scores.trunk_stack.of_trunks(query, kept)), number[kept]
 
 
 def search_shards(

@@ -91,7 +91,10 @@ class TrunkStack:
     @cached_property
     def extremes(self) -> tuple[float, float, int]:
         """The longest edge, the greatest alpha or beta without its sign, and the greatest n."""
-        edge, alpha, beta = (float(np.abs(values).max(initial=0.0)) for values in (self.edges, self.alphas, self.betas))
+        edge, alpha, beta = (
+            float(max(values.max(initial=0.0), -values.min(initial=0.0)))
+            for values in (self.edges, self.alphas, self.betas)
+        )
         return edge, max(alpha, beta), int(np.diff(self.offsets).max(initial=3))
 
     def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
