@@ -19,7 +19,7 @@ import math
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -102,14 +102,15 @@ class Shapes:
 
 
 class Mode:
-    """A collection that is mined by one mode, as far as somebody asks for it."""
+    """A collection that is mined by one mode, as far as somebody asks for it; without the shapes ``left_out``."""
 
-    def __init__(self, name: str, shapes: Shapes, root: Path) -> None:
-        self.name, self._shapes, self._store = name, shapes, Store(root)
-        names = [f"{number:06d}" for number in range(len(shapes))]
+    def __init__(self, name: str, shapes: Shapes, root: Path, left_out: Sequence[int] = ()) -> None:
+        self.name, self._shapes, self.store = name, shapes, Store(root)
+        self._numbers = [number for number in range(len(shapes)) if number not in left_out]
+        names = [f"{number:06d}" for number in self._numbers]
         items = [Item(name, name, name, hashlib.sha256(name.encode()).hexdigest()) for name in names]
         config = replace(Config(DatasetConfig(), store=root, outputs=root), qcrs=QcrsConfig(mode=name))  # type: ignore[arg-type]
-        progress = begin_run(config, Collection("grown", tuple(items)), self._store)
+        progress = begin_run(config, Collection("grown", tuple(items)), self.store)
         for stage in ("ingest", "trunks", *STAGES[name]):
             work = BY_NAME[stage].items(progress)
             progress = progress.with_work(stage, work, progress.done | {item.reference for item in work})
@@ -125,12 +126,11 @@ class Mode:
         # The middles of equal parts of the list.
         chosen = [every[int((k + 0.5) * len(every) / tasks)] for k in range(tasks)] if tasks < len(every) else every
         needed = [self._by_reference[source] for bundle in chosen for item in bundle for source in item.sources]
-        for _ in self._run_all(needed):
-            pass
+        self.bring(needed)
         cache, cpu, read = InputCache(), 0.0, 0
         for bundle in chosen:
             start = time.process_time()
-            for receipt in run_items(self._store, bundle, cache):
+            for receipt in run_items(self.store, bundle, cache):
                 if receipt.failure is not None:
                     raise RuntimeError(receipt.failure.message)
                 read += receipt.read_bytes
@@ -138,18 +138,20 @@ class Mode:
         share = sum(map(_amount, (item for bundle in chosen for item in bundle))) / sum(map(_amount, work))
         return StageCost(len(self._shapes), self.name, stage, len(work), share, cpu / share, read / share / 2**20)
 
-    def _run_all(self, needed: Sequence[WorkItem]) -> Iterator[None]:
-        """Bring work items into the store."""
+    def bring(self, needed: Sequence[WorkItem]) -> None:
+        """Bring work items into the store, and what they need."""
         for item in {item.reference: item for item in needed}.values():
-            if self._store.entry(*item.reference) is None:
-                if item.stage == "trunks":
-                    self._store.put(item.parts, self._shapes.batch(item.members), {})
-                else:
-                    yield from self._run_all([self._by_reference[source] for source in item.sources])
-                    for receipt in run_items(self._store, [item], InputCache()):
-                        if receipt.failure is not None:
-                            raise RuntimeError(receipt.failure.message)
-                yield
+            if self.store.entry(*item.reference) is not None:
+                continue
+            self.bring([self._by_reference[source] for source in item.sources])
+            if item.stage == "ingest":
+                self.store.put(item.parts, Artifact())
+            elif item.stage == "trunks":
+                self.store.put(item.parts, self._shapes.batch([self._numbers[place] for place in item.members]))
+            else:
+                for receipt in run_items(self.store, [item], InputCache()):
+                    if receipt.failure is not None:
+                        raise RuntimeError(receipt.failure.message)
 
 
 def _load(file: Path) -> TrunkStack:
