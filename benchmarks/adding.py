@@ -54,12 +54,15 @@ class AddingCost:
     anew_s: float
 
 
-def simulate(item: WorkItem, count: int) -> Artifact:
+def simulate(mode: Mode, item: WorkItem) -> Artifact:
     """A search that has found random partners of every shape."""
-    shapes = len(item.members)
+    shapes, count = len(item.members), mode.progress.config.qcrs.k
+    sizes = {shard.reference: len(shard.members) for shard in mode.progress.work["shards"]}
+    shards = zip(item.spec.shards, item.sources[item.spec.batches :], strict=False)
+    others = np.concatenate([position.start + np.arange(sizes[shard]) for position, shard in shards])
     random = np.random.default_rng(int(item.key[:8], 16))
     i = np.repeat(np.arange(shapes, dtype=np.int32), count)
-    j = np.concatenate([np.sort(random.choice(item.pairs // shapes, count, replace=False)) for _ in range(shapes)])
+    j = np.concatenate([np.sort(random.choice(others, count, replace=False)) for _ in range(shapes)])
     small, trunks = np.full(len(i), 3, np.int8), np.zeros(len(i), np.int32)
     columns = {"i": i, "j": j.astype(np.int32), "score": np.full(len(i), LEAST), "n": small, "shift": small}
     searched = {"searched": np.arange(shapes, dtype=np.int32), "least": np.full(shapes, LEAST)}
@@ -89,7 +92,7 @@ def measure(files: Sequence[Path], simulated: bool, tasks: int, root: Path) -> l
         work = before.progress.work[stage]
         if simulated and stage != "shards":
             for item in work:
-                before.store.put(item.parts, simulate(item, before.progress.config.qcrs.k))
+                before.store.put(item.parts, simulate(before, item))
         else:
             before.bring(work)
     after.bring([*after.progress.work["ingest"], *after.progress.work["trunks"]])

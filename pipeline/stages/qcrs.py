@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from pipeline.plan.work_item import WorkItem
 from pipeline.stages.block_rows import STARTS, Columns, ReusingBlock, block_rows, is_block, ordered, side_starts
 from pipeline.stages.planning import between_groups
 from pipeline.stages.stage import Column, Stage, SubBlocks, TableColumns
-from pipeline.stages.trunk_arrays import unpack_batch_trunks
+from pipeline.stages.trunk_arrays import CORNERS
 from pipeline.store.artifact import Artifact
 from riot import scores
 
@@ -33,8 +32,20 @@ def prepare(artifact: Artifact) -> TrunkStack | Artifact:
 
 def stack_of_batch(batch: Artifact) -> TrunkStack:
     """The stack of a batch's trunks."""
-    starts, leaves = batch.arrays["leaf_offsets"].tolist(), np.array(batch.arrays["leaves"])
-    return scores.trunk_stack.stack(unpack_batch_trunks(batch), [leaves[a:b] for a, b in pairwise(starts)])
+    # Copies: compiled kernels would compile a second time for read-only arrays.
+    names = ("trunk_offsets", "offsets", "areas", "leaf_offsets", "leaves", *CORNERS)
+    arrays = {name: np.array(batch.arrays[name]) for name in names}
+    whole = scores.trunks.Trunks(arrays["offsets"], areas=arrays["areas"], **{name: arrays[name] for name in CORNERS})
+    return scores.trunk_stack.TrunkStack(
+        starts=arrays["trunk_offsets"],
+        offsets=whole.offsets,
+        edges=whole.edges,
+        alphas=whole.alphas,
+        betas=whole.betas,
+        areas=whole.areas,
+        leaf_starts=arrays["leaf_offsets"],
+        leaves=arrays["leaves"],
+    )
 
 
 def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Sides | ReusingBlock | SubBlock) -> Artifact:

@@ -50,20 +50,3 @@ def unpack_trunks(artifact: Artifact, index: int) -> Trunks:
         areas=np.array(arrays["areas"][first:last]),
         **{name: np.array(arrays[name][low:high]) for name in CORNERS},
     )
-
-
-def unpack_batch_trunks(artifact: Artifact) -> list[Trunks]:
-    """The trunks of every shape of a batch, as `unpack_trunks`: views of one copy of the batch's arrays."""
-    starts = artifact.arrays["trunk_offsets"].tolist()
-    offsets = artifact.arrays["offsets"]
-    ends = offsets[artifact.arrays["trunk_offsets"]].tolist()
-    areas = np.array(artifact.arrays["areas"])
-    corners = {name: np.array(artifact.arrays[name]) for name in CORNERS}
-    return [
-        scores.trunks.Trunks(
-            offsets=offsets[first : last + 1] - low,
-            areas=areas[first:last],
-            **{name: array[low:high] for name, array in corners.items()},
-        )
-        for first, last, low, high in zip(starts, starts[1:], ends, ends[1:], strict=False)
-    ]
