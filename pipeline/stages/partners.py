@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from riot.scores.index import Partners, TrunkIndex
     from riot.scores.trunk_stack import TrunkStack
 
-MARGIN = 1.2
+MARGIN = 1.1
 """How many times as far from a trunk in the own shard as the last partner a trunk may be to be compared beyond, with
 ``qcrs.mode=approximate``. Ours: .99 of the best partners are found, at the least price."""
 
