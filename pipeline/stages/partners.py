@@ -7,7 +7,7 @@ shape's best partners.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
@@ -119,17 +119,15 @@ def find_all(
     position: ShardPosition,
     rows: range,
     least: FloatArray,
-    few: Mapping[int, IntArray] | None = None,
 ) -> Artifact:
-    """`find` of a query of several batches: ``rows``, ``least`` and ``few`` number its shapes through all of them."""
+    """`find` of a query of several batches: ``rows`` and ``least`` number its shapes through all of them."""
     found = []
     for stack, start in zip(stacks, accumulate(map(len, stacks), initial=0), strict=False):
         here = range(max(rows.start - start, 0), min(rows.stop - start, len(stack)))
         if len(here) == 0:
             continue
         place = replace(position, first=position.first + start) if position.first >= 0 else position
-        some = None if few is None else {k - start: trunks for k, trunks in few.items() if 0 <= k - start < len(stack)}
-        artifact = find(stack, index, wanted, place, here, least[start : start + len(stack)], some)
+        artifact = find(stack, index, wanted, place, here, least[start : start + len(stack)])
         shift = {"i": artifact.arrays["i"] + np.int32(start), "promising": artifact.arrays["promising"] + [start, 0]}
         shift["promising"] = shift["promising"].astype(np.int32)
         found.append(Artifact({**artifact.arrays, **shift}, artifact.document))
@@ -143,14 +141,10 @@ def find(
     position: ShardPosition,
     rows: range,
     least: FloatArray,
-    few: Mapping[int, IntArray] | None = None,
 ) -> Artifact:
     """The rows that `run` returns, of the shapes ``rows`` of a batch; a shape's that score below its ``least`` (batch,)
-    may be missing.
-
-    Of the shapes in ``few`` only those trunks are compared, so that a score may be too low.
-    """
-    partners = [_nearest(_trunks_of(query, i, few or {}), index, wanted, position, i, float(least[i])) for i in rows]
+    may be missing."""
+    partners = [_nearest(query.shapes[i], index, wanted, position, i, float(least[i])) for i in rows]
     i = np.repeat(rows, [len(nearest.scores.j) for nearest in partners]).astype(np.int32)
     columns = {
         name: np.concatenate([np.empty(0, np.int32), *(getattr(nearest.scores, name) for nearest in partners)])
@@ -164,11 +158,6 @@ def find(
     promising = [np.column_stack([np.full(len(p), k), p]) for k, p in zip(rows, _promising(partners), strict=True)]
     trunks = np.concatenate([np.empty((0, 2), np.int32), *promising]).astype(np.int32)
     return Artifact({**best, "promising": trunks}, {"compared": sum(nearest.compared for nearest in partners)})
-
-
-def _trunks_of(query: TrunkStack, i: int, few: Mapping[int, IntArray]) -> TrunkStack:
-    shape = query.shapes[i]
-    return scores.trunk_stack.chosen(shape, few[i]) if i in few else shape
 
 
 def _promising(partners: Sequence[Partners]) -> list[IntArray]:

@@ -176,28 +176,6 @@ def of_trunks(trunks: TrunkStack, kept: npt.NDArray[np.bool_]) -> TrunkStack:
     )
 
 
-def chosen(shape: TrunkStack, numbers: npt.NDArray[Any]) -> TrunkStack:
-    """The trunks ``numbers``, ascending, of a stack of one shape, numbered anew.
-
-    >>> from riot.scores.trunks import quick_trunks
-    >>> len(chosen(stack([quick_trunks(house)]), np.array([0, 2])).areas)
-    2
-    """
-    corners = np.repeat(np.isin(np.arange(len(shape.areas)), numbers), np.diff(shape.offsets))
-    few = TrunkStack(
-        np.array([0, len(numbers)], dtype=np.int64),
-        running(np.diff(shape.offsets)[numbers]),
-        shape.edges[corners],
-        shape.alphas[corners],
-        shape.betas[corners],
-        shape.areas[numbers],
-        np.zeros(2, dtype=np.int64),
-        np.empty((0, QCRS_LEAF), np.int32),
-    )
-    leaves = gather_leaves(few)
-    return replace(few, leaves=leaves, leaf_starts=np.array([0, len(leaves)], dtype=np.int64))
-
-
 def lay_out_forest(
     trunks: TrunkStack, leaves: npt.NDArray[np.int32], first: npt.NDArray[Any], groups: npt.NDArray[Any]
 ) -> Forest:

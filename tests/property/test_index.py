@@ -13,7 +13,7 @@ import riot.scores.index
 from riot.parameters import QcrsParameters
 from riot.scores.index import TrunkIndex, best_pairs, best_partners, join
 from riot.scores.qcrs import BlockScores, brute_force, distance_of, score_block, score_pairs
-from riot.scores.trunk_stack import TrunkStack, chosen, stack
+from riot.scores.trunk_stack import TrunkStack, of_trunks, stack
 from riot.scores.trunks import quick_trunks
 
 ROUNDING = 1e-12
@@ -140,16 +140,10 @@ def test_promising_trunks_are_those_near_enough_to_another_shape(margin: float) 
     assert rows(best.scores, np.arange(14)) == rows(plain_partners(everything, everything, 2, 0.0, True), np.arange(14))
     for i in range(7):
         shape, others = everything.shape(i), [everything.shape(j) for j in range(7) if j != i]
-        alone = [chosen(shape, np.array([t])) for t in range(len(shape.areas))]
+        alone = [of_trunks(shape, np.arange(len(shape.areas)) == t) for t in range(len(shape.areas))]
         nearest = distance_of(np.array([brute_force(trunk, join(others)).score.max() for trunk in alone]))
         reach = margin * distance_of(best.scores.score[best.scores.i == i][-1])
         assert best.promising[best.promising[:, 0] == i, 1].tolist() == np.flatnonzero(nearest <= reach).tolist()
-
-
-def test_chosen_trunks_are_compared_alone() -> None:
-    one, other = random_stack(12, 1, False, 60), random_stack(13, 3, False, 60)
-    few = chosen(one, np.arange(0, len(one.areas), 7))
-    assert rows(score_block(few, other), np.arange(3)) == rows(brute_force(few, other), np.arange(3))
 
 
 def test_an_empty_index_has_no_partners() -> None:
