@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple
@@ -26,6 +26,11 @@ from riot.types import IntArray
 
 MOST_ADDED = 128
 """Added shapes, at most, that are all scored: more take as long as a search for all (measured, ours)."""
+
+
+FEW_NEW = 4
+"""New shapes of a query, at most, that are scored with all others batch by batch: that takes less than to lay out the
+index for them (measured, ours)."""
 
 
 def with_older_searches(store: Store, work: Sequence[WorkItem]) -> list[WorkItem]:
@@ -129,6 +134,10 @@ class _Plan:
                 groups.append(group)
         if not groups:
             return item
+        new = of_older.get((), [])
+        if 0 < len(new) <= FEW_NEW:
+            everything = range(len(self._members(asked.target)))
+            groups.append(ReusedGroup(tuple(new), (), self._added(everything, asked, numbers)))
         spec = ReusingSearch(item.spec, len(item.parts.inputs), asked.lengths, tuple(groups))
         more = [source for source, number in numbers.items() if number >= len(item.sources)]
         return replace(item, sources=(*item.sources, *more), spec=spec)
@@ -151,17 +160,15 @@ class _Plan:
                 if asked.first < 0 or j[before.first + there] == asked.first + i:
                     here[there] = i
             pieces.append(OlderSearch(numbers.setdefault(reference, len(numbers)), here, j))
+        return ReusedGroup(tuple(shapes), tuple(pieces), self._added(left, asked, numbers))
+
+    def _added(self, indices: Iterable[int], asked: _Asked, numbers: dict[Reference, int]) -> tuple[AddedShape, ...]:
+        """Shapes of the target, by their indices there."""
         members = self._members(asked.target)
-        added = tuple(
-            AddedShape(
-                numbers.setdefault(("trunks", members[k].batch), len(numbers)),
-                members[k].place,
-                members[k].j,
-                members[k].after,
-            )
-            for k in left
+        return tuple(
+            AddedShape(numbers.setdefault(("trunks", batch), len(numbers)), place, j, after)
+            for _, j, batch, place, after in (members[index] for index in indices)
         )
-        return ReusedGroup(tuple(pieces), added)
 
     def _asked(self, inputs: Sequence[str], search: Search) -> _Asked | None:
         """What a search asks; None if a manifest that says what shapes there are cannot be read any more."""

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pipeline.errors import PayloadError
 from pipeline.plan.sub_block import SubBlock
-from pipeline.stages.partner_rows import Rows, best_rows, counting, join, last_of_best, not_below
+from pipeline.stages.partner_rows import TYPES, Rows, best_rows, counting, join, last_of_best, not_below
 from pipeline.stages.qcrs import COLUMNS
 from pipeline.store.artifact import AnyArray, Artifact
 from riot import scores
@@ -25,6 +25,7 @@ from riot.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from pipeline.stages.partners import Search, Wanted
+    from riot.parameters import QcrsParameters
     from riot.scores.trunk_stack import TrunkStack
 
 Find = Callable[[Sequence["TrunkStack"], IntArray], Artifact]
@@ -57,8 +58,12 @@ class AddedShape:
 
 @dataclass(frozen=True, eq=False)
 class ReusedGroup:
-    """Shapes of a query that the same ``older`` searches know, and what has been ``added`` since."""
+    """``shapes`` of a query that the same ``older`` searches know, and what has been ``added`` since, batch by batch.
 
+    If no older search knows them, all shapes of the shards are added.
+    """
+
+    shapes: tuple[int, ...]
     older: tuple[OlderSearch, ...]
     added: tuple[AddedShape, ...]
 
@@ -124,13 +129,16 @@ def _of_group(inputs: Sequence[Any], spec: ReusingSearch, group: ReusedGroup, wa
             older.append(_read(piece, inputs[piece.source].arrays, shapes, count))
         except (KeyError, OSError, PayloadError):
             return join([])
-    enough = np.all([piece.searched for piece in older], axis=0)
-    columns = {name: np.concatenate([piece.rows[name] for piece in older]) for name in COLUMNS}
+    enough = np.isin(np.arange(shapes), group.shapes)
+    for piece_there in older:
+        enough &= piece_there.searched
+    empty = {name: np.empty(0, TYPES.get(name, np.int32)) for name in COLUMNS}
+    columns = {name: np.concatenate([empty[name], *(there.rows[name] for there in older)]) for name in COLUMNS}
     _, first = np.unique(np.column_stack([columns["i"], columns["j"]]), axis=0, return_index=True)
     columns = {name: column[first][enough[columns["i"][first]]] for name, column in columns.items()}
 
     asked = np.flatnonzero(enough)
-    added = _added(inputs, spec, group, asked, last_of_best([known, columns], shapes, count), wanted)
+    added = _added(inputs, spec, group, asked, [known, columns], wanted)
     best = best_rows({name: np.concatenate([columns[name], added[name]]) for name in COLUMNS}, count)
     least = last_of_best([known, best], shapes, count)
     for known_there in older:
@@ -174,32 +182,61 @@ def _read(piece: OlderSearch, arrays: Mapping[str, AnyArray], shapes: int, count
 
 
 def _added(
-    inputs: Sequence[Any], spec: ReusingSearch, group: ReusedGroup, asked: IntArray, least: FloatArray, wanted: Wanted
+    inputs: Sequence[Any],
+    spec: ReusingSearch,
+    group: ReusedGroup,
+    asked: IntArray,
+    known: Sequence[Rows],
+    wanted: Wanted,
 ) -> Rows:
-    """Rows of the shapes ``asked`` with all added ones that score no less than the ``least`` (query,)."""
-    empty = {name: np.empty(0) for name in COLUMNS}
-    if not (group.added and len(asked)):
-        return empty
-    everything = scores.index.join([inputs[shape.source].shape(shape.index) for shape in group.added])
-    j = np.array([shape.j for shape in group.added])
-    after = np.array([shape.after for shape in group.added])
-    first = spec.search.shards[0].first
-    pieces: list[Rows] = [empty]
+    """Rows of the shapes ``asked`` with all added ones, but those that cannot count beside the ``known`` ones."""
+    found: list[Rows] = [{name: np.empty(0, TYPES.get(name, np.int32)) for name in COLUMNS}]
     starts = np.cumsum([0, *spec.lengths]).tolist()
     for batch, (start, stop) in enumerate(pairwise(starts)):
-        i, a = (grid.ravel() for grid in np.meshgrid(asked[(start <= asked) & (asked < stop)], np.arange(len(j))))
-        is_earlier = j[a] < first + i if first >= 0 else after[a]
-        for added_first in (False, True):
-            here = is_earlier == added_first
-            if not here.any():
-                continue
-            pairs = np.column_stack([i[here] - start, a[here]])
-            limits = least[i[here]]
-            # A pair is scored from the side of its earlier shape, as in a run over all pairs.
-            if added_first:
-                block = scores.qcrs.score_pairs(everything, inputs[batch], pairs[:, ::-1], wanted.settings, limits)
-            else:
-                block = scores.qcrs.score_pairs(inputs[batch], everything, pairs, wanted.settings, limits)
-            rows = {name: np.asarray(getattr(block, name)) for name in COLUMNS}
-            pieces.append(not_below({**rows, "i": i[here], "j": j[a[here]]}, least))
-    return {name: np.concatenate([piece[name] for piece in pieces]) for name in COLUMNS}
+        i = asked[(start <= asked) & (asked < stop)]
+        if not (group.added and len(i)):
+            continue
+        query = _some(inputs[batch], i - start)
+        near = [{name: rows[name][np.isin(rows["i"], i)] for name in ("i", "score")} for rows in known]
+        for source, shapes in groupby(group.added, key=lambda shape: shape.source):
+            added = list(shapes)
+            others = _some(inputs[source], np.array([shape.index for shape in added]))
+            # What is found in a batch narrows the search of the next.
+            least = last_of_best(near, stop, wanted.count)
+            rows = _score(query, i, others, added, spec.search.shards[0].first, wanted.settings, least)
+            found.append(rows)
+            near.append(rows)
+    return {name: np.concatenate([rows[name] for rows in found]) for name in COLUMNS}
+
+
+def _some(stack: TrunkStack, numbers: IntArray) -> TrunkStack:
+    """Some shapes of a stack: itself if these are all."""
+    return stack if len(numbers) == len(stack) else scores.index.join([stack.shape(number) for number in numbers])
+
+
+def _score(
+    query: TrunkStack,
+    i: IntArray,
+    others: TrunkStack,
+    added: Sequence[AddedShape],
+    first: int,
+    settings: QcrsParameters,
+    least: FloatArray,
+) -> Rows:
+    """Rows of all pairs of the shapes ``i``, a stack, and added ones, another, that score no less than ``least``."""
+    j, after = np.array([shape.j for shape in added]), np.array([shape.after for shape in added])
+    k, m = (grid.ravel() for grid in np.meshgrid(np.arange(len(i)), np.arange(len(j))))
+    own = first + i[k] if first >= 0 else np.full(len(k), -1)
+    is_earlier = j[m] < own if first >= 0 else after[m]
+    pieces: list[Rows] = []
+    for added_first in (False, True):
+        here = (is_earlier == added_first) & (j[m] != own)
+        pairs, limits = np.column_stack([k[here], m[here]]), least[i[k[here]]]
+        # A pair is scored from the side of its earlier shape, as in a run over all pairs.
+        if added_first:
+            block = scores.qcrs.score_pairs(others, query, pairs[:, ::-1], settings, limits)
+        else:
+            block = scores.qcrs.score_pairs(query, others, pairs, settings, limits)
+        rows = {name: np.asarray(getattr(block, name)) for name in COLUMNS}
+        pieces.append(not_below({**rows, "i": i[k[here]], "j": j[m[here]]}, least))
+    return {name: np.concatenate([rows[name] for rows in pieces]) for name in COLUMNS}
