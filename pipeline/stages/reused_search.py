@@ -197,7 +197,7 @@ def _added(
         if not (group.added and len(i)):
             continue
         query = _some(inputs[batch], i - start)
-        near = [{name: rows[name][np.isin(rows["i"], i)] for name in ("i", "score")} for rows in known]
+        near: list[Rows] = [{name: rows[name][np.isin(rows["i"], i)] for name in ("i", "score")} for rows in known]
         for source, shapes in groupby(group.added, key=lambda shape: shape.source):
             added = list(shapes)
             others = _some(inputs[source], np.array([shape.index for shape in added]))

@@ -165,10 +165,10 @@ BEFORE = {f"shape-{number:02}": number for number in range(24)}
 AFTER = {**BEFORE, "shape-11-new": 24}
 
 
-def test_an_added_shape_is_the_only_one_that_is_searched_for(tmp_path: Path) -> None:
+def test_an_added_shape_is_scored_with_all_others_and_no_shard_is_read(tmp_path: Path) -> None:
     mine(BEFORE, tmp_path)
     after, fresh = mine(AFTER, tmp_path), mine(AFTER, tmp_path / "fresh")
-    assert after.searched == {"partners": 1, "partners_beyond": 1}
+    assert not after.searched
     assert fresh.searched["partners"] == len(AFTER)
     changed = mine({**AFTER, "shape-11-new": 25}, tmp_path)
     assert changed.searched["partners"] < len(AFTER) / 3
