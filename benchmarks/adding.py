@@ -56,10 +56,11 @@ class AddingCost:
 
 def simulate(mode: Mode, item: WorkItem) -> Artifact:
     """A search that has found random partners of every shape."""
-    shapes, count = len(item.members), mode.progress.config.qcrs.k
+    shapes = len(item.members)
     sizes = {shard.reference: len(shard.members) for shard in mode.progress.work["shards"]}
     shards = zip(item.spec.shards, item.sources[item.spec.batches :], strict=False)
     others = np.concatenate([position.start + np.arange(sizes[shard]) for position, shard in shards])
+    count = min(mode.progress.config.qcrs.k, len(others))
     random = np.random.default_rng(int(item.key[:8], 16))
     i = np.repeat(np.arange(shapes, dtype=np.int32), count)
     j = np.concatenate([np.sort(random.choice(others, count, replace=False)) for _ in range(shapes)])

@@ -17,9 +17,9 @@ with needs_extra("mine"):
 class PartnerSearch:
     """A search for the ``k`` best partners of each of ``shapes`` shapes.
 
-    ``compared`` counts comparisons of trunks: a pair counts twice if it is compared from both sides. The search failed
-    in some shards for ``missed`` shapes: the table may lack partners of them. ``approximate`` is 1 if it may lack some
-    of any shape.
+    ``compared`` counts comparisons of trunks: a pair counts twice if it is compared from both sides, and not
+    at all where an older search knew it. The search failed in some shards for ``missed`` shapes: the table may lack
+    partners of them. ``approximate`` is 1 if it may lack some of any shape.
     """
 
     k: int

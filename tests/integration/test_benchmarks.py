@@ -173,6 +173,16 @@ def test_the_stages_that_score_are_measured_in_every_mode(tmp_path: Path) -> Non
 
 
 @pytest.mark.system
+def test_an_added_shape_is_measured_with_older_searches_and_without(tmp_path: Path) -> None:
+    root, figures = pictures(tmp_path / "pictures", range(6)), tmp_path / "adding.json"
+    done = run("adding", "--root", str(root), "--sizes", "6", "--simulate", "6", "--json", str(figures))
+    assert done.returncode == 0, done.stderr
+    costs = json.loads(figures.read_text(encoding="utf-8"))
+    assert [cost["stage"] for cost in costs] == ["shards", "partners"]
+    assert all(cost["missing"] == cost["items"] and cost["read_mb"] > 0 < cost["anew_s"] for cost in costs)
+
+
+@pytest.mark.system
 def test_starts_are_measured_beside_python_and_numpy(tmp_path: Path) -> None:
     done = run("start", "--processes", "1", "--json", str(tmp_path / "figures.json"))
     assert done.returncode == 0, done.stderr
