@@ -31,8 +31,9 @@ from inputs import pictures
 from recall_plot import Growth, draw
 
 from pipeline.stages.joined_search import known_distances, promising_only
-from pipeline.stages.partners import MARGIN, ShardPosition, Wanted, find
+from pipeline.stages.partners import MARGIN, find
 from pipeline.stages.partners_beyond import promising_trunks
+from pipeline.stages.search_spec import ShardPosition, Wanted
 from pipeline.stages.shards import SHAPES_PER_SHARD
 from pipeline.store.artifact import AnyArray
 from riot.parameters import QcrsParameters

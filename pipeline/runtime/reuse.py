@@ -8,7 +8,7 @@ from pipeline.plan.sub_block import Sides
 from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.reuse_blocks import with_older_blocks
 from pipeline.runtime.reuse_searches import with_older_searches
-from pipeline.stages.partners import Search
+from pipeline.stages.search_spec import Search
 from pipeline.store.store import Store
 
 

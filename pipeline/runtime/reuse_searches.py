@@ -17,8 +17,8 @@ import numpy as np
 
 from pipeline.plan.work_item import Reference, WorkItem
 from pipeline.runtime.older import entry_or_none, inputs_and_spec, older_and_missing
-from pipeline.stages.partners import Search, ShardPosition
 from pipeline.stages.reused_search import AddedShape, OlderSearch, ReusedGroup, ReusingSearch
+from pipeline.stages.search_spec import Search, ShardPosition
 from pipeline.store.artifact import canonical_json
 from pipeline.store.keys import digest_text
 from pipeline.store.store import Entry, Store

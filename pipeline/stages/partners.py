@@ -8,7 +8,7 @@ shape's best partners.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
@@ -20,11 +20,11 @@ from pipeline.plan.work_item import WorkItem
 from pipeline.stages.partner_rows import NONE_KNOWN, best_rows, join
 from pipeline.stages.qcrs import COLUMNS, stack_of_batch
 from pipeline.stages.reused_search import ReusingSearch, search_exactly, whole_search
+from pipeline.stages.search_spec import Search, ShardPosition, Wanted
 from pipeline.stages.shards import Query, is_shard, queries, searches, unpack
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact
 from riot import scores
-from riot.parameters import QcrsParameters
 from riot.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -37,29 +37,6 @@ MARGIN = 1.1
 
 TASK = 64
 """Batches that are searched for in a shard, at most, once it is read, which takes as long as a few searches (ours)."""
-
-
-@dataclass(frozen=True)
-class ShardPosition:
-    """How a query lies to a shard: ``first`` is the number of its first shape in the shard, −1 if it is not in it;
-    ``after`` says whether it comes after the shard in the collection. The rows number the shard's shapes from ``start``
-    on."""
-
-    first: int
-    after: bool
-    start: int = 0
-
-    def earlier(self, i: int, shapes: int) -> int:
-        """How many of the shard's ``shapes`` come before shape i of the query."""
-        return self.first + i if self.first >= 0 else shapes * self.after
-
-
-@dataclass(frozen=True)
-class Search:
-    """What the inputs of a search are: so many ``batches``, whose shapes are the query, and then ``shards``."""
-
-    batches: int
-    shards: tuple[ShardPosition, ...]
 
 
 def prepare(artifact: Artifact) -> TrunkStack | TrunkIndex | Artifact:
@@ -101,15 +78,6 @@ def query_of(inputs: Sequence[Any], spec: Search | SubBlock | ReusingSearch) -> 
     search = whole_search(spec)
     stacks = list(inputs[: search.batches])
     return search, stacks, range(*spec.rows) if isinstance(spec, SubBlock) else range(sum(map(len, stacks)))
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """How many partners of a shape are wanted, how they are scored, and the margin of promising trunks."""
-
-    count: int
-    settings: QcrsParameters
-    margin: float = 1.0
 
 
 def find_all(

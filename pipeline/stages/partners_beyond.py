@@ -16,8 +16,9 @@ from pipeline.plan.sub_block import SubBlock
 from pipeline.plan.work_item import WorkItem
 from pipeline.stages.joined_search import known_distances, promising_only, search_shards
 from pipeline.stages.partner_rows import NONE_KNOWN, join
-from pipeline.stages.partners import Search, ShardPosition, Wanted, prepare, query_of, search_item
+from pipeline.stages.partners import prepare, query_of, search_item
 from pipeline.stages.reused_search import ReusingSearch, search_exactly, whole_search
+from pipeline.stages.search_spec import Search, ShardPosition, Wanted
 from pipeline.stages.shards import queries, searches, targets
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact

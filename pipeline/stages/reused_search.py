@@ -24,7 +24,7 @@ from riot import scores
 from riot.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from pipeline.stages.partners import Search, Wanted
+    from pipeline.stages.search_spec import Search, Wanted
     from riot.parameters import QcrsParameters
     from riot.scores.trunk_stack import TrunkStack
 

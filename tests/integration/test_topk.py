@@ -25,7 +25,7 @@ from pipeline.flow import run_pipeline
 from pipeline.plan.progress import Progress
 from pipeline.runtime.events import Event, StageEnded
 from pipeline.stages.all import BY_NAME
-from pipeline.stages.partners import ShardPosition
+from pipeline.stages.search_spec import ShardPosition
 from pipeline.store.keys import digest_text
 from pipeline.tables.partner_search import PartnerSearch, read_search
 

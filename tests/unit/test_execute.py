@@ -24,7 +24,7 @@ from pipeline.runtime.execute import Run
 from pipeline.runtime.retries import MACHINE_TRIES, WORKER_TRIES
 from pipeline.runtime.worker import Failure, Receipt
 from pipeline.stages.all import BY_NAME
-from pipeline.stages.partners import Search, ShardPosition
+from pipeline.stages.search_spec import Search, ShardPosition
 from pipeline.store.artifact import Artifact
 from pipeline.store.keys import KeyParts
 from pipeline.store.store import PAYLOAD, State, Store
