@@ -55,7 +55,7 @@ def accept(store: Store, keys: Mapping[str, Sequence[str]], *, dry_run: bool = F
             payload = store.payload(entry)
             accepted[stage.name] += 1
             if not dry_run:
-                store.commit(new, payload, entry.cost, accepted=key)
+                store.commit(new, [payload], entry.cost, accepted=key)
     return Acceptance(accepted, changes)
 
 

@@ -12,7 +12,7 @@ from pipeline.plan.work_item import WorkItem
 from pipeline.runtime.inputs import InputCache, Inputs
 from pipeline.runtime.retries import DEADLY
 from pipeline.stages.all import checked_stage, code_text
-from pipeline.store.artifact import encode
+from pipeline.store.artifact import encode_pieces
 from pipeline.store.store import State, Store
 
 
@@ -66,9 +66,9 @@ def _run_item(store: Store, inputs: Inputs, position: int, item: WorkItem) -> Re
         stage = checked_stage(item.stage, code_text(item.parts.code, item.parts.versions))
         artifact = stage.run(inputs.of(position, item, stage.prepare), item.parameters, item.spec)
         seconds, cpu_seconds = time.perf_counter() - wall, time.process_time() - cpu
-        payload = encode(artifact)
+        payload = encode_pieces(artifact)
         store.commit(item.parts, payload, {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_mb": peak_mb()})
-        written = len(payload)
+        written = sum(map(len, payload))
     except Exception as error:
         failure = Failure(type(error).__name__, str(error) or type(error).__name__)
     spent = time.perf_counter() - wall, time.process_time() - cpu

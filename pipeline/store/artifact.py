@@ -41,6 +41,11 @@ def encode(artifact: Artifact) -> bytes:
 
     Raises `PayloadError` for an array of objects or strings.
     """
+    return b"".join(encode_pieces(artifact))
+
+
+def encode_pieces(artifact: Artifact) -> list[bytes | memoryview]:
+    """What `encode` joins; arrays are not copied, so that a large one is in memory once while it is written."""
     entries: list[dict[str, Any]] = []
     chunks: list[bytes | memoryview] = []
     position = 0
@@ -50,7 +55,7 @@ def encode(artifact: Artifact) -> bytes:
             raise PayloadError(f"array {name!r} has dtype {array.dtype}; an artifact holds numbers and booleans only")
         shape = array.shape  # ascontiguousarray makes a scalar one-dimensional
         little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-        data = little.reshape(-1).view(np.uint8).data  # no copy: an array may be a part of an index
+        data = little.reshape(-1).view(np.uint8).data
         padding = -position % ALIGNMENT
         position += padding
         entries.append(
@@ -60,7 +65,7 @@ def encode(artifact: Artifact) -> bytes:
         position += data.nbytes
     header = canonical_json({"arrays": entries, "document": artifact.document}).encode()
     start = len(MAGIC) + 8 + len(header)
-    return b"".join([MAGIC, struct.pack("<Q", len(header)), header, b"\0" * (-start % ALIGNMENT), *chunks])
+    return [MAGIC, struct.pack("<Q", len(header)), header, b"\0" * (-start % ALIGNMENT), *chunks]
 
 
 def decode(payload: bytes | memoryview) -> Artifact:

@@ -85,9 +85,12 @@ class SharedText:
         return self.before + canonical_json(list(inputs)) + self.after
 
 
-def digest_bytes(data: bytes | memoryview) -> str:
-    """SHA-256 in hexadecimal."""
-    return hashlib.sha256(data).hexdigest()
+def digest_bytes(*pieces: bytes | memoryview) -> str:
+    """SHA-256 of the pieces one after the other, in hexadecimal."""
+    digest = hashlib.sha256()
+    for piece in pieces:
+        digest.update(piece)
+    return digest.hexdigest()
 
 
 def digest_text(text: str) -> str:

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import PayloadError, SignatureError
-from pipeline.store.artifact import Artifact, canonical_json, decode, encode
+from pipeline.store.artifact import Artifact, canonical_json, decode, encode_pieces
 from pipeline.store.filesystem.base import Files
 from pipeline.store.filesystem.choose import open_files
 from pipeline.store.filesystem.local import TEMPORARY as TEMPORARY  # for whoever writes files beside a store
@@ -94,12 +94,16 @@ class Store:
 
         ``cost`` (seconds, cpu_seconds, peak_mb) is kept in the manifest for estimates; it is no part of the payload.
         """
-        return self.commit(parts, encode(artifact), cost or {})
+        return self.commit(parts, encode_pieces(artifact), cost or {})
 
     def commit(
-        self, parts: KeyParts, payload: bytes | memoryview, cost: Mapping[str, float], accepted: str | None = None
+        self,
+        parts: KeyParts,
+        payload: Sequence[bytes | memoryview],
+        cost: Mapping[str, float],
+        accepted: str | None = None,
     ) -> str:
-        """`put` an encoded artifact; ``accepted`` is the key of the artifact that it is a copy of, if it is one.
+        """`put` an artifact that is encoded in pieces; ``accepted`` is the key of the one that it is a copy of, if it is.
 
         Raises `pipeline.errors.StorageError` when the location is full or read-only, OSError for other faults.
         """
@@ -108,8 +112,8 @@ class Store:
             "schema": SCHEMA,
             "stage": parts.stage,
             "key": key,
-            "digest": digest_bytes(payload),
-            "bytes": len(payload),
+            "digest": digest_bytes(*payload),
+            "bytes": sum(map(len, payload)),
             "parts": parts.to_json(),
             "cost": dict(cost or {}),
         }
@@ -117,7 +121,7 @@ class Store:
             manifest["accepted"] = accepted
         if self.signing is not None:
             manifest["signature"] = self.signing.sign(canonical_json(manifest))
-        written = {PAYLOAD: bytes(payload), MANIFEST: canonical_json(manifest).encode()}
+        written = {PAYLOAD: payload, MANIFEST: [canonical_json(manifest).encode()]}
         with writing_to(self.root):
             self.files.write(folder_name(parts.stage, key), written)
         return key

@@ -61,6 +61,7 @@ class TrunkIndex:
         """Index the shapes of some stacks, numbered in their order; a cell has shapes of one of the ``kinds``
         (shapes,)."""
         everything = join(stacks)
+        del stacks  # what they hold is in there
         of_shapes = np.zeros(len(everything), dtype=np.int64) if kinds is None else kinds
         of_trunks = np.repeat(of_shapes, np.diff(everything.starts))
         leaves = gather_leaves(everything, of_trunks)

@@ -191,6 +191,7 @@ def lay_out_forest(
     laid = np.empty((len(n), FEATURES, QCRS_LEAF), dtype=np.float32)
     boxes = np.zeros((int(tiles[-1]), 2 * FEATURES, TILE_LEAVES), dtype=np.float32)
     lay_out(leaves, first.astype(np.int64), tiles, values, laid, boxes)
+    del values
     corners = np.empty(int(begins[-1]), dtype=np.float32)
     facing(
         leaves,

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from typing import Protocol
 
 from pipeline.store.location import Location
+
+Data = bytes | Sequence[bytes | memoryview]
+"""The bytes of a file, or pieces of them in order."""
 
 
 class Files(Protocol):
@@ -33,7 +36,7 @@ class Files(Protocol):
     def read(self, name: str) -> memoryview:
         """All bytes of a file; raises FileNotFoundError when there is none."""
 
-    def write(self, folder: str, files: Mapping[str, bytes]) -> None:
+    def write(self, folder: str, files: Mapping[str, Data]) -> None:
         """Write files of a folder, in order: a later one is there only when the earlier ones are, each old or new.
 
         Once this has returned they outlast a crash of the machine.

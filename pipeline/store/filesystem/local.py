@@ -17,6 +17,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.store.filesystem.base import Data
+
 TEMPORARY = ".tmp-"
 
 PROBE_SIZE = 2**16
@@ -54,7 +56,7 @@ class LocalFiles:
         except NotADirectoryError as error:
             raise FileNotFoundError(*error.args) from error
 
-    def write(self, folder: str, files: Mapping[str, bytes]) -> None:
+    def write(self, folder: str, files: Mapping[str, Data]) -> None:
         """See `Files.write`."""
         path = self.location / folder
         path.mkdir(parents=True, exist_ok=True)
@@ -125,13 +127,13 @@ def sync_folder(folder: Path) -> None:
             os.close(descriptor)
 
 
-def _replace(path: Path, data: bytes) -> None:
+def _replace(path: Path, data: Data) -> None:
     temporary = path.with_name(f"{TEMPORARY}{uuid.uuid4().hex}")
     try:
         with temporary.open("wb") as stream:
             with contextlib.suppress(OSError):  # without locks here nobody takes it for abandoned either
                 fcntl.flock(stream, fcntl.LOCK_EX)
-            stream.write(data)
+            stream.writelines([data] if isinstance(data, bytes) else data)
             stream.flush()
             os.fsync(stream.fileno())
             temporary.replace(path)

@@ -15,6 +15,7 @@ from datetime import datetime
 from typing import Any
 
 from pipeline.errors import StartError
+from pipeline.store.filesystem.base import Data
 from pipeline.store.location import Url
 from riot.errors import MissingExtraError, needs_extra
 
@@ -43,11 +44,11 @@ class ObjectFiles:
             # In one request: several at once would be preceded by another, for the length.
             return memoryview(self.system.cat_file(self._path(name), max_concurrency=1))
 
-    def write(self, folder: str, files: Mapping[str, bytes]) -> None:
+    def write(self, folder: str, files: Mapping[str, Data]) -> None:
         """See `Files.write`: an object that was put is durable."""
         with _failing(self.location):
             for name, data in files.items():
-                self.system.pipe_file(self._path(folder, name), data)
+                self.system.pipe_file(self._path(folder, name), data if isinstance(data, bytes) else b"".join(data))
 
     def names(self, folder: str) -> Iterator[str]:
         """See `Files.names`; fsspec asks for one page after another."""
