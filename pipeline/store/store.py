@@ -103,7 +103,7 @@ class Store:
         cost: Mapping[str, float],
         accepted: str | None = None,
     ) -> str:
-        """`put` an artifact that is encoded in pieces; ``accepted`` is the key of the one that it is a copy of, if it is.
+        """`put` an artifact encoded in pieces; ``accepted`` is the key of the one that it is a copy of, if it is.
 
         Raises `pipeline.errors.StorageError` when the location is full or read-only, OSError for other faults.
         """

@@ -74,19 +74,19 @@ def features(
 
 @kernel
 def gather(
-    values: FloatArray, sizes: IntArray, kinds: IntArray, edge: float, angle: float, area: float
+    values: FloatArray, numbers: IntArray, sizes: IntArray, kinds: IntArray, edge: float, angle: float, area: float
 ) -> npt.NDArray[np.int32]:
     """(l, QCRS_LEAF) numbers of trunks, leaf by leaf, in order of n and kind; a short leaf repeats its last trunk.
 
-    ``values`` (t, FEATURES), ``sizes`` (t,) and ``kinds`` (t,), in order of both. The trunks of one n and kind are
-    halved across the feature of greatest spread, in units of the given sigmas, until they fit. The search finds the
-    same with any order, but not as quickly.
+    ``values`` (t, FEATURES); ``numbers`` (t,) of the trunks in order of n and kind, and ``sizes`` (t,) and ``kinds``
+    (t,) in that order. The trunks of one n and kind are halved across the feature of greatest spread, in units of the
+    given sigmas, until they fit. The search finds the same with any order, but not as quickly.
     """
     count = len(sizes)
     order, keys = np.empty(count, dtype=np.int64), np.empty(count)
     spare_keys, spare = np.empty(count), np.empty(count, dtype=np.int64)
     for k in range(count):
-        order[k] = k
+        order[k] = numbers[k]
     leaves = 0
     start = 0
     while start < count:
@@ -229,8 +229,8 @@ def warm() -> None:
     """Compile on a triangle."""
     offsets, corners, area = np.array([0, 3], dtype=np.int64), np.ones(3), np.ones(1)
     values = features(offsets, corners, corners, corners, area)
-    three = np.array([3], dtype=np.int64)
-    leaves = gather(values, three, three, 1.0, 1.0, 1.0)
+    zero, three = np.zeros(1, dtype=np.int64), np.array([3], dtype=np.int64)
+    leaves = gather(values, zero, three, three, 1.0, 1.0, 1.0)
     begins = np.array([0, 1], dtype=np.int64)
     out, boxes = np.zeros((1, FEATURES, QCRS_LEAF), np.float32), np.zeros((1, 2 * FEATURES, TILE_LEAVES), np.float32)
     lay_out(leaves, begins, begins, values, out, boxes)

@@ -50,6 +50,6 @@ def gather_leaves(trunks: RaggedTrunks, kinds: IntArray | None = None) -> npt.ND
     sizes = np.diff(trunks.offsets)
     kinds = np.zeros(len(sizes), dtype=np.int64) if kinds is None else kinds
     order = np.lexsort((kinds, sizes))
-    values = features(trunks.offsets, trunks.edges, trunks.alphas, trunks.betas, trunks.areas)[order]
-    leaves = gather(values, sizes[order], kinds[order], usual.sigma_e * D_C, usual.sigma_angle, usual.sigma_area)
-    return order[leaves].astype(np.int32)
+    values = features(trunks.offsets, trunks.edges, trunks.alphas, trunks.betas, trunks.areas)
+    sigmas = usual.sigma_e * D_C, usual.sigma_angle, usual.sigma_area
+    return gather(values, order, sizes[order], kinds[order], *sigmas)
