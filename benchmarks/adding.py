@@ -68,7 +68,7 @@ def simulate(mode: Mode, item: WorkItem) -> Artifact:
     columns = {"i": i, "j": j.astype(np.int32), "score": np.full(len(i), LEAST), "n": small, "shift": small}
     searched = {"searched": np.arange(shapes, dtype=np.int32), "least": np.full(shapes, LEAST)}
     more = {"trunk_i": trunks, "trunk_j": trunks, "promising": np.empty((0, 2), np.int32)}
-    return Artifact({**columns, **more, **searched}, {"compared": 0})
+    return Artifact({**columns, **more, **searched})
 
 
 def searched_anew(mode: Mode, work: Sequence[WorkItem], tasks: int) -> float:

@@ -61,7 +61,7 @@ def search_shards(
     (shapes, k) are distances of partners elsewhere: what is worse than the last may be missing. ``numbers`` are those
     of the query's trunks within their shapes, where it has not all of them.
     """
-    tops, laid_out, found, compared = known, None, [], 0
+    tops, laid_out, found = known, None, []
     reached = np.full(len(query), np.inf)
     for index, after, start in shards:
         with np.errstate(invalid="ignore"):
@@ -70,7 +70,7 @@ def search_shards(
             laid_out, reached = scores.knn_join.lay_out_queries(query, tops), tops[:, -1]
         earlier = np.full(len(query), len(index) * after, dtype=np.int64)
         joined = scores.knn_join.join_partners(index, laid_out, tops, settings, earlier)
-        tops, compared = joined.tops, compared + joined.compared
+        tops = joined.tops
         columns: dict[str, AnyArray] = {name: getattr(joined.scores, name) for name in COLUMNS}
         if numbers is not None:
             columns["trunk_i"] = numbers[query.starts[columns["i"]] + columns["trunk_i"]]
@@ -81,4 +81,4 @@ def search_shards(
         name: np.concatenate([np.empty(0), *(rows[name] for rows in found)]) for name in COLUMNS
     }
     best = best_rows(together, known.shape[1])
-    return Artifact({**best, "promising": np.empty((0, 2), np.int32)}, {"compared": compared})
+    return Artifact({**best, "promising": np.empty((0, 2), np.int32)})

@@ -29,11 +29,9 @@ class Starts:
 def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> Artifact:
     """Partners of queries within targets → the pairs, ordered by (i, j), positions in the collection with i < j.
 
-    Keeps the ``k`` best partners of every shape over all shards; among equals the earlier one. ``compared`` is the sum
-    of the inputs'.
+    Keeps the ``k`` best partners of every shape over all shards; among equals the earlier one.
     """
     (count,) = parameters
-    compared = 0
     chunks: dict[str, list[AnyArray]] = {name: [np.empty(0, TYPES.get(name, np.int32))] for name in COLUMNS}
     # A query after the other: what all of them found together need not fit in memory.
     of_query = sorted(range(len(inputs)), key=lambda number: spec.starts[number][0])
@@ -41,7 +39,6 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
         found: list[Mapping[str, AnyArray]] = []
         for number in numbers:
             partners = inputs[number]
-            compared += int(partners.document["compared"])
             found.append({**partners.arrays, "j": partners.arrays["j"] + np.int32(spec.starts[number][1])})
         rows = best_rows({name: np.concatenate([arrays[name] for arrays in found]) for name in COLUMNS}, count)
         rows["i"] += np.int32(query)
@@ -53,7 +50,7 @@ def run(inputs: Sequence[Artifact], parameters: Sequence[Any], spec: Starts) -> 
     i, j = kept["i"][order], kept["j"][order]
     # A pair that both searches return has two equal rows: both are scored from the earlier shape's side.
     order = order[(np.diff(i, prepend=-1) != 0) | (np.diff(j, prepend=-1) != 0)]
-    return Artifact({name: column[order] for name, column in kept.items()}, {"compared": compared})
+    return Artifact({name: column[order] for name, column in kept.items()})
 
 
 def items(progress: Progress) -> list[WorkItem]:

@@ -41,7 +41,6 @@ def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock] = ()) -> Artifa
     rows = {name: np.concatenate([arrays[name] for arrays in pieces]) for name in pieces[0]}
     order = np.argsort(rows["i"], kind="stable")  # all rows of an i are in one artifact, the best first
     promising = rows.pop("promising")
-    compared = sum(int(artifact.document["compared"]) for artifact in artifacts)
     columns = {name: column[order] for name, column in rows.items()}
     columns["promising"] = promising[np.argsort(promising[:, 0], kind="stable")]
     if all(SEARCHED.keys() <= artifact.arrays.keys() for artifact in artifacts):
@@ -49,7 +48,7 @@ def join(artifacts: Sequence[Artifact], lost: Sequence[SubBlock] = ()) -> Artifa
         searched = {name: np.concatenate([arrays[name] for arrays in known]) for name in SEARCHED}
         by_shape = np.argsort(searched["searched"], kind="stable")
         columns |= {name: array[by_shape] for name, array in searched.items()}
-    return Artifact(columns, {"compared": compared})
+    return Artifact(columns)
 
 
 def counting(found: Artifact, searched: IntArray, known: Rows, shapes: int, count: int) -> Artifact:

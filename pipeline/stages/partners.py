@@ -51,10 +51,9 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBloc
 
     i numbers the query's shapes, j the shard's. A `SubBlock` restricts the rows i. Only scores above 0 count; among
     equals the earlier j comes first. Score, ``trunk_i``, ``trunk_j`` and ``shift`` are of the pair with its earlier
-    shape first, in whichever direction it was searched. ``compared`` in the document counts the pairs of which the
-    distance of two trunks was computed. ``promising`` (p, 2) are, in the approximate
-    mode, shapes of the query and their trunks that are worth comparing in other shards; in the exact one there are the
-    arrays `SEARCHED`.
+    shape first, in whichever direction it was searched. ``promising`` (p, 2) are, in the approximate mode,
+    shapes of the query and their trunks that are worth comparing in other shards; in the exact one there are the arrays
+    `SEARCHED`.
     """
     settings, count, mode = parameters
     wanted = Wanted(count, settings, MARGIN if mode == "approximate" else 1.0)
@@ -125,7 +124,7 @@ def find(
     best = best_rows(columns, wanted.count)
     promising = [np.column_stack([np.full(len(p), k), p]) for k, p in zip(rows, _promising(partners), strict=True)]
     trunks = np.concatenate([np.empty((0, 2), np.int32), *promising]).astype(np.int32)
-    return Artifact({**best, "promising": trunks}, {"compared": sum(nearest.compared for nearest in partners)})
+    return Artifact({**best, "promising": trunks})
 
 
 def _promising(partners: Sequence[Partners]) -> list[IntArray]:

@@ -92,10 +92,7 @@ def whole_search(spec: Search | SubBlock | ReusingSearch) -> Search:
 def search_exactly(
     inputs: Sequence[Any], spec: Search | SubBlock | ReusingSearch, wanted: Wanted, known: Rows, find: Find
 ) -> Artifact:
-    """The rows of all shapes of a query that count beside the ``known`` ones; what older searches lack is found.
-
-    ``compared`` in the document counts comparisons that were made for it, not those of older searches.
-    """
+    """The rows of all shapes of a query that count beside the ``known`` ones; what older searches lack is found."""
     if isinstance(spec, ReusingSearch):
         reused, left = reuse(inputs, spec, wanted, known)
         if len(left) == 0:
@@ -144,7 +141,7 @@ def _of_group(inputs: Sequence[Any], spec: ReusingSearch, group: ReusedGroup, wa
     for known_there in older:
         is_above = (least > known_there.above) | (known_there.is_below & (least == known_there.above))
         enough &= is_above | known_there.is_full
-    rows = Artifact(not_below(best, np.where(enough, 0.0, np.inf)), {"compared": len(asked) * len(group.added)})
+    rows = Artifact(not_below(best, np.where(enough, 0.0, np.inf)))
     return counting(rows, np.flatnonzero(enough), known, shapes, count)
 
 

@@ -17,14 +17,12 @@ with needs_extra("mine"):
 class PartnerSearch:
     """A search for the ``k`` best partners of each of ``shapes`` shapes.
 
-    ``compared`` counts comparisons of trunks: a pair counts twice if it is compared from both sides, and not
-    at all where an older search knew it. The search failed in some shards for ``missed`` shapes: the table may lack
+    The search failed in some shards for ``missed`` shapes: the table may lack
     partners of them. ``approximate`` is 1 if it may lack some of any shape.
     """
 
     k: int
     shapes: int
-    compared: int
     missed: int = 0
     approximate: int = 0
 
@@ -47,14 +45,13 @@ class PartnerSearch:
         mode = "approximate" if self.approximate else "topk"
         return (
             f"qcrs.mode={mode}: {kept:,} of {several(self.pairs, 'pair')} kept, {self.meaning}, and the selection saw "
-            f"only these; of {2 * self.pairs:,} comparisons of a shape with another {self.compared:,} were made."
-            + missed
+            f"only these.{missed}"
         )
 
     def schema(self) -> pa.Schema:
         """The schema of `qcrs` with these numbers and another meaning in its metadata."""
         numbers = asdict(self)
-        always = ("k", "shapes", "compared")  # the metadata mention what is amiss only if it is
+        always = ("k", "shapes")  # the metadata mention what is amiss only if it is
         encoded = {name.encode(): str(value).encode() for name, value in numbers.items() if value or name in always}
         meaning = f"Quick cross-reversibility score (paper §5.2) of {self.meaning} (ours).".encode()
         return tables.SCHEMAS["qcrs"].with_metadata({**tables.SCHEMAS["qcrs"].metadata, b"meaning": meaning, **encoded})
@@ -68,4 +65,4 @@ def read_search(metadata: Mapping[bytes, bytes] | None) -> PartnerSearch | None:
         for field in fields(PartnerSearch)
         if field.name.encode() in encoded
     }
-    return PartnerSearch(**numbers) if {"k", "shapes", "compared"} <= numbers.keys() else None
+    return PartnerSearch(**numbers) if {"k", "shapes"} <= numbers.keys() else None

@@ -122,8 +122,7 @@ class Results:
             for member in item.members
         }
         known = sum(bool(self.numbers[member] >= 0) for member in missed)
-        compared, approximate = int(collected[0].document["compared"]), self.config.qcrs.mode == "approximate"
-        return PartnerSearch(self.config.qcrs.k, self.shapes, compared, known, int(approximate))
+        return PartnerSearch(self.config.qcrs.k, self.shapes, known, int(self.config.qcrs.mode == "approximate"))
 
     @cached_property
     def without_trunks(self) -> int:

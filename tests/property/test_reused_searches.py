@@ -51,7 +51,7 @@ class Mined:
     progress: Progress
     pairs: Mapping[str, AnyArray]
     payloads: dict[tuple[str, object], bytes]
-    """Of each search, without how much was compared for it."""
+    """Of each search."""
     searched: Counter[str]
     read: int
 
@@ -94,7 +94,7 @@ def mine(
         progress = progress.with_work(stage, work, progress.done | {item.reference for item in work})
     payloads = {}
     for item in (item for stage in SEARCHES for item in progress.work[stage]):
-        payloads[item.stage, item.block] = encode(Artifact(store.get(*item.reference).arrays))
+        payloads[item.stage, item.block] = encode(store.get(*item.reference))
     return Mined(progress, store.get(*progress.work["pairs"][0].reference).arrays, payloads, searched, read)
 
 
