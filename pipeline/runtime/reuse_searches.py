@@ -25,12 +25,11 @@ from pipeline.store.store import Entry, Store
 from riot.types import IntArray
 
 MOST_ADDED = 128
-"""Added shapes, at most, that are all scored: more take as long as a search for all (measured, ours)."""
-
+"""Added shapes, at most, that are all scored: more would take as long as a search for all (by the cost of one, ours)."""
 
 FEW_NEW = 4
-"""New shapes of a query, at most, that are scored with all others batch by batch: that takes less than to lay out the
-index for them (measured, ours)."""
+"""New shapes of a query, at most, that are scored with all others batch by batch: that takes less than to read the
+index for them (by the cost of one, ours)."""
 
 
 def with_older_searches(store: Store, work: Sequence[WorkItem]) -> list[WorkItem]:
