@@ -25,7 +25,7 @@ from pipeline.store.store import Entry, Store
 from riot.types import IntArray
 
 MOST_ADDED = 128
-"""Added shapes, at most, that are all scored: more would take as long as a search for all (by the cost of one, ours)."""
+"""Added shapes, at most, that are all scored: more would take as long as a search for all (by their cost, ours)."""
 
 FEW_NEW = 4
 """New shapes of a query, at most, that are scored with all others batch by batch: that takes less than to read the
