@@ -93,7 +93,7 @@ def measure(files: Sequence[Path], batches: int, size: int, count: int) -> Growt
         position = ShardPosition(first, False)
         for mode, margin in (("topk", 1.0), ("approximate", MARGIN)):
             wanted = Wanted(count, usual, margin)
-            rows = timed(mode, lambda: find(query, index, wanted, position, range(size), np.zeros(size))).arrays  # noqa: B023
+            rows = timed(mode, lambda: find(query, index, wanted, position, range(size))).arrays  # noqa: B023
             batch.add(mode, part, rows["i"], rows["j"], rows["score"])
             batch.known[mode] = known_distances(rows["i"], rows["score"], size, count)
             few = promising_trunks(rows["i"], rows["promising"], size, count) if mode == "approximate" else {}

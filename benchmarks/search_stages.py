@@ -38,7 +38,7 @@ from pipeline.stages.all import BY_NAME, begin_run
 from pipeline.stages.trunk_arrays import pack_trunks
 from pipeline.store.artifact import Artifact
 from pipeline.store.store import Store
-from riot.kernels import leaves, search
+from riot.kernels import knn_join, leaves, search
 from riot.scores.trunk_stack import TrunkStack
 from riot.scores.trunks import Trunks
 
@@ -197,8 +197,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", type=Path, help="write the figures to this file too")
     chosen = parser.parse_args(arguments)
     sizes = sorted(int(text) for text in chosen.sizes.split(","))
-    leaves.warm()
-    search.warm()
+    for kernel in (leaves, search, knn_join):
+        kernel.warm()
     costs: list[StageCost] = []
     with tempfile.TemporaryDirectory() as folder:
         parts = chosen.parts or Path(folder)

@@ -53,13 +53,13 @@ def search_shards(
     shards: Iterable[tuple[TrunkIndex, bool, int]],
     known: FloatArray,
     settings: QcrsParameters,
-    numbers: IntArray | None = None,
+    numbers: IntArray,
 ) -> Artifact:
     """The best partners of every shape of a query, as rows of `pipeline.stages.partners`, of all shards together.
 
     Of each shard its index, whether the query comes after it, and the number of its first shape in the rows. ``known``
     (shapes, k) are distances of partners elsewhere: what is worse than the last may be missing. ``numbers`` are those
-    of the query's trunks within their shapes, where it has not all of them.
+    of the query's trunks within their shapes, of which it may lack some.
     """
     tops, laid_out, found = known, None, []
     reached = np.full(len(query), np.inf)
@@ -72,8 +72,7 @@ def search_shards(
         joined = scores.knn_join.join_partners(index, laid_out, tops, settings, earlier)
         tops = joined.tops
         columns: dict[str, AnyArray] = {name: getattr(joined.scores, name) for name in COLUMNS}
-        if numbers is not None:
-            columns["trunk_i"] = numbers[query.starts[columns["i"]] + columns["trunk_i"]]
+        columns["trunk_i"] = numbers[query.starts[columns["i"]] + columns["trunk_i"]]
         if after:
             columns["trunk_i"], columns["trunk_j"] = columns["trunk_j"], columns["trunk_i"]
         found.append({**columns, "j": columns["j"] + np.int32(start)})

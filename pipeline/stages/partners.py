@@ -25,7 +25,7 @@ from pipeline.stages.shards import Query, is_shard, queries, searches, unpack
 from pipeline.stages.stage import Stage, SubBlocks
 from pipeline.store.artifact import Artifact
 from riot import scores
-from riot.types import FloatArray, IntArray
+from riot.types import IntArray
 
 if TYPE_CHECKING:
     from riot.scores.index import Partners, TrunkIndex
@@ -59,15 +59,13 @@ def run(inputs: Sequence[Any], parameters: Sequence[Any], spec: Search | SubBloc
     wanted = Wanted(count, settings, MARGIN if mode == "approximate" else 1.0)
     if mode == "approximate":
         search, stacks, rows = query_of(inputs, spec)
-        least = np.zeros(sum(map(len, stacks)))
-        return find_all(stacks, inputs[search.batches], wanted, search.shards[0], rows, least)
+        return find_all(stacks, inputs[search.batches], wanted, search.shards[0], rows)
 
     def find_some(stacks: Sequence[TrunkStack], rows: IntArray) -> Artifact:
         search = whole_search(spec)
-        least = np.zeros(sum(map(len, stacks)))
         runs = [range(run[0], run[-1] + 1) for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)]
         index = inputs[search.batches]
-        return join([find_all(stacks, index, wanted, search.shards[0], run, least) for run in runs])
+        return join([find_all(stacks, index, wanted, search.shards[0], run) for run in runs])
 
     return search_exactly(inputs, spec, wanted, NONE_KNOWN, find_some)
 
@@ -85,16 +83,15 @@ def find_all(
     wanted: Wanted,
     position: ShardPosition,
     rows: range,
-    least: FloatArray,
 ) -> Artifact:
-    """`find` of a query of several batches: ``rows`` and ``least`` number its shapes through all of them."""
+    """`find` of a query of several batches: ``rows`` number its shapes through all of them."""
     found = []
     for stack, start in zip(stacks, accumulate(map(len, stacks), initial=0), strict=False):
         here = range(max(rows.start - start, 0), min(rows.stop - start, len(stack)))
         if len(here) == 0:
             continue
         place = replace(position, first=position.first + start) if position.first >= 0 else position
-        artifact = find(stack, index, wanted, place, here, least[start : start + len(stack)])
+        artifact = find(stack, index, wanted, place, here)
         shift = {"i": artifact.arrays["i"] + np.int32(start), "promising": artifact.arrays["promising"] + [start, 0]}
         shift["promising"] = shift["promising"].astype(np.int32)
         found.append(Artifact({**artifact.arrays, **shift}, artifact.document))
@@ -107,11 +104,9 @@ def find(
     wanted: Wanted,
     position: ShardPosition,
     rows: range,
-    least: FloatArray,
 ) -> Artifact:
-    """The rows that `run` returns, of the shapes ``rows`` of a batch; a shape's that score below its ``least`` (batch,)
-    may be missing."""
-    partners = [_nearest(query.shapes[i], index, wanted, position, i, float(least[i])) for i in rows]
+    """The rows that `run` returns, of the shapes ``rows`` of a batch."""
+    partners = [_nearest(query.shapes[i], index, wanted, position, i) for i in rows]
     i = np.repeat(rows, [len(nearest.scores.j) for nearest in partners]).astype(np.int32)
     columns = {
         name: np.concatenate([np.empty(0, np.int32), *(getattr(nearest.scores, name) for nearest in partners)])
@@ -122,25 +117,20 @@ def find(
     first, second = columns["trunk_i"].copy(), columns["trunk_j"]
     columns["trunk_i"], columns["trunk_j"] = np.where(turned, second, first), np.where(turned, first, second)
     best = best_rows(columns, wanted.count)
-    promising = [np.column_stack([np.full(len(p), k), p]) for k, p in zip(rows, _promising(partners), strict=True)]
+    promising = [
+        np.column_stack([np.full(len(nearest.promising), k), nearest.promising[:, 1]])
+        for k, nearest in zip(rows, partners, strict=True)
+    ]
     trunks = np.concatenate([np.empty((0, 2), np.int32), *promising]).astype(np.int32)
     return Artifact({**best, "promising": trunks})
 
 
-def _promising(partners: Sequence[Partners]) -> list[IntArray]:
-    return [nearest.promising[:, 1].astype(np.int64) for nearest in partners]
-
-
-def _nearest(
-    shape: TrunkStack, index: TrunkIndex, wanted: Wanted, position: ShardPosition, i: int, least: float
-) -> Partners:
+def _nearest(shape: TrunkStack, index: TrunkIndex, wanted: Wanted, position: ShardPosition, i: int) -> Partners:
     """The best partners of shape i of a query, and as many more as score like the last one: the earlier ones count."""
     asked, itself = wanted.count + 1, [position.first + i if position.first >= 0 else -1]
     earlier = [position.earlier(i, len(index))]
     while True:
-        nearest = scores.index.best_partners(
-            index, shape, asked, wanted.settings, least, itself, wanted.margin, earlier
-        )
+        nearest = scores.index.best_partners(index, shape, asked, wanted.settings, 0.0, itself, wanted.margin, earlier)
         score = nearest.scores.score
         if len(score) < asked or score[-1] < score[wanted.count - 1]:
             return nearest

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from riot.kernels.forest import Single
+from riot.kernels.forest import Forest, Single
 from riot.kernels.options import inlined, inner
 from riot.types import FloatArray
 
@@ -317,3 +317,17 @@ def reach_of(worst: float, limit: float, epsilon: float) -> float:
         return worst
     score = math.exp(-0.5 * worst * worst) + epsilon
     return math.sqrt(-2.0 * math.log(score)) if score < 1.0 else 0.0
+
+
+def one_triangle() -> Forest:
+    """A forest of one trunk, on which kernels compile: its arrays have the types of those of any forest."""
+    ends, corners = np.array([0, 1], dtype=np.int64), np.ones(3)
+    forest = Forest(
+        ends, np.array([3], dtype=np.int64), ends, ends, np.array([0, 9 * QCRS_LEAF], dtype=np.int64),
+        np.zeros((1, QCRS_LEAF), np.int32), np.ones((1, FEATURES, QCRS_LEAF), np.float32),
+        np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.ones(9 * QCRS_LEAF, np.float32),
+        ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, np.ones(1),
+    )  # fmt: skip
+    for array in forest:
+        array.flags.writeable = False
+    return forest

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from riot.kernels.bounds import (
     CORNER_VALUES,
@@ -24,6 +23,7 @@ from riot.kernels.bounds import (
     lanes_beside_each,
     lanes_near,
     lanes_within,
+    one_triangle,
     reach_of,
     row_bounds,
 )
@@ -38,12 +38,11 @@ SAME_SCORE = 2.0
 class Found(NamedTuple):
     """What a join finds: ``tops`` (q, k) the least distances of every query's partners so far, ascending; for query i
     and owner j ``bests`` (q, p) D, below 0 for a pair that does not count, ``winners`` (q, p, 3) trunks, that of the
-    first shape first, and shift, ``met`` (q, p) whether D of two trunks was computed."""
+    first shape first, and shift."""
 
     tops: FloatArray
     bests: FloatArray
     winners: Int32Array
-    met: npt.NDArray[np.bool_]
 
 
 class Cells(NamedTuple):
@@ -88,7 +87,7 @@ def _join(
     sizes_b, leaves_b, tiles_b, begins_b = b.sizes, b.leaves, b.tiles, b.begins
     trunks_b, features_b, boxes_b, facing_b, offsets_b = b.trunks, b.features, b.boxes, b.facing, b.offsets
     eb, ab, bb, wb = b.edges, b.alphas, b.betas, b.areas
-    tops, bests, winners, met = found.tops, found.bests, found.winners, found.met
+    tops, bests, winners = found.tops, found.bests, found.winners
     sigma_area, allowance, last = scale.area, SAME_SCORE * scale.slack, tops.shape[1] - 1
     area, cells_b = np.float32(2.0 / sigma_area), len(sizes_b)
     for cell_a in range(len(sizes_a)):
@@ -165,7 +164,6 @@ def _join(
                                 j = owners_b[u]
                                 if bests[i, j] < 0.0:
                                     continue
-                                met[i, j] = True
                                 one, two = t, u
                                 if j < earlier[i]:
                                     one, two = u, t
@@ -221,17 +219,8 @@ def join(queries: Cells, index: Cells, scale: Scale, earlier: IntArray, found: F
 
 
 def warm() -> None:
-    """Compile on two triangles."""
-    ends, area = np.array([0, 1], dtype=np.int64), np.ones(1)
-    corners = np.ones(3)
-    forest = Forest(
-        ends, np.array([3], dtype=np.int64), ends, ends, np.array([0, 9 * QCRS_LEAF], dtype=np.int64),
-        np.zeros((1, QCRS_LEAF), np.int32), np.ones((1, FEATURES, QCRS_LEAF), np.float32),
-        np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.ones(9 * QCRS_LEAF, np.float32),
-        ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, area,
-    )  # fmt: skip
-    for array in forest:
-        array.flags.writeable = False
+    """Compile on a triangle."""
+    forest = one_triangle()
     cells = Cells(forest, np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.zeros(1, np.int32))
-    found = Found(np.ones((1, 1)), np.ones((1, 1)), np.full((1, 1, 3), -1, np.int32), np.zeros((1, 1), np.bool_))
+    found = Found(np.ones((1, 1)), np.ones((1, 1)), np.full((1, 1, 3), -1, np.int32))
     join(cells, cells, Scale(0.1, 0.5, 0.1, 1e-4, 1.0, 0.0), np.zeros(1, np.int64), found)

@@ -33,6 +33,7 @@ from riot.kernels.bounds import (
     lanes_near,
     lanes_within,
     least_bound,
+    one_triangle,
     reach_of,
     row_bounds,
 )
@@ -325,17 +326,8 @@ def partners(
 
 
 def warm() -> None:
-    """Compile on two triangles."""
-    ends, area = np.array([0, 1], dtype=np.int64), np.ones(1)
-    corners = np.ones(3)
-    forest = Forest(
-        ends, np.array([3], dtype=np.int64), ends, ends, np.array([0, 9 * QCRS_LEAF], dtype=np.int64),
-        np.zeros((1, QCRS_LEAF), np.int32), np.ones((1, FEATURES, QCRS_LEAF), np.float32),
-        np.ones((1, 2 * FEATURES, TILE_LEAVES), np.float32), np.ones(9 * QCRS_LEAF, np.float32),
-        ends, np.array([0, 3], dtype=np.int64), corners, corners, corners, area,
-    )  # fmt: skip
-    for array in forest:
-        array.flags.writeable = False
+    """Compile on a triangle."""
+    forest = one_triangle()
     out, winners = np.empty(1), np.empty((1, 3), np.int32)
     block(
         np.zeros((1, 2), np.int64),

@@ -28,12 +28,10 @@ NEAREST = 1e-3
 @dataclass(frozen=True, eq=False)
 class JoinedPartners:
     """Pairs that may be among the best of their query, by (i, j); i numbers the queries, j the shapes of the index, and
-    trunk_i and trunk_j are theirs. ``tops`` (q, k) are the least distances of every query so far, ascending.
-    ``compared`` counts the pairs of shapes of which the distance of two trunks was computed."""
+    trunk_i and trunk_j are theirs. ``tops`` (q, k) are the least distances of every query so far, ascending."""
 
     scores: BlockScores
     tops: FloatArray
-    compared: int
 
 
 def lay_out_queries(queries: TrunkStack, tops: FloatArray) -> TrunkIndex:
@@ -73,9 +71,7 @@ def join_partners(
     shape = (len(queries), len(index))
     scale = scale_of(queries.trunks, index.trunks, parameters or QcrsParameters())
     earlier = np.zeros(len(queries), dtype=np.int64) if earlier is None else earlier
-    found = Found(
-        tops.copy(), np.full(shape, np.inf), np.full((*shape, 3), -1, dtype=np.int32), np.zeros(shape, dtype=np.bool_)
-    )
+    found = Found(tops.copy(), np.full(shape, np.inf), np.full((*shape, 3), -1, dtype=np.int32))
     here, there = (Cells(side.cells, side.crowns, side.owners) for side in (queries, index))
     join(here, there, scale, earlier, found)
     near = (found.winners[:, :, 0] >= 0) & (found.bests <= found.tops[:, -1:] + SAME_SCORE * scale.slack)
@@ -95,5 +91,4 @@ def join_partners(
             shift=shift.astype(np.int8),
         ),
         found.tops,
-        int(found.met.sum()),
     )
